@@ -24,7 +24,7 @@ STEP = 2e-6  # step of the central differences in ``linearize``, over tip speed 
 class DynamicInflow:
     """Inflow as a state that lags behind changes of rotor speed and velocity.
 
-    A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
+    A state is an array (..., ``size``) [m/s].  Its first three values are harmonics in the
     rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and y.
     The other values are the inflows of the annuli at fixed radii, positive against the thrust.
     If all rates of a state vanish, the state solves eq. (11), as ``rotor.loads`` does.  If
@@ -38,7 +38,7 @@ class DynamicInflow:
         Rotor with the inflow of Pitt and Peters, or with an inflow that is uniform over azimuth.
     spin : str or sequence of str
         Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
-        lists the spins of several equal rotors, which are then the last axis of all points.
+        lists the spins of several equal rotors.  The last axis of all points runs over them.
 
     Attributes
     ----------
@@ -220,7 +220,7 @@ class DynamicInflow:
         omega: ArrayLike,
         velocity: ArrayLike,
     ) -> tuple[Floats, Floats]:
-        """Return states after ``dt``, rates (``dt`` = ...) or steady states (``state`` = ...).
+        """Return states after ``dt``; if ``dt`` is Ellipsis, rates; if ``state`` is, steady states.
 
         Also return rows (..., 17) of force, moment, and the core's results for ``Loads``.
         """

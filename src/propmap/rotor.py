@@ -99,7 +99,7 @@ class Rotor:
 
     @functools.cached_property
     def _core_of_growth(self) -> CoreRotor:
-        """Rotor of the core with derivatives with respect to the exponents of Re, also at 0."""
+        """Rotor of the core that also has derivatives by exponents of Re that are 0."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
     @functools.cached_property

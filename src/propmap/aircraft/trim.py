@@ -28,7 +28,7 @@ from propmap.vehicle.wakes import cross
 STEEPEST_BANK = math.radians(80.0)
 
 SOLVED, ACCEPTED = 1e-10, 1e-8
-"""Unbalanced share of the weight at the end of a search, and largest share of a balanced state."""
+"""Imbalance at the end of a search, and largest imbalance of a balanced state, over the weight."""
 
 EXTRAPOLATED = 2.0  # largest extrapolation of known states for a start, in intervals
 SLOWEST, FASTEST = 0.2, 20.0
@@ -57,8 +57,8 @@ class Aircraft:
     Raises
     ------
     InputError
-        If the propeller or the air of the loads differs from that of the vehicle, for a charge
-        outside 0 to 1, and for a largest rotor speed that is not positive.
+        For loads with another propeller or other air than the vehicle, a charge outside 0 to 1,
+        and a largest rotor speed that is not positive.
     """
 
     def __init__(
@@ -346,7 +346,7 @@ class Balanced(NamedTuple):
         return np.sum(self.wrenches.torque * self.omega, axis=1)
 
     def or_else(self, other: Balanced, where: NDArray[np.bool_]) -> Balanced:
-        """Return the results of ``other`` for the flights ``where`` (n,), otherwise these."""
+        """Return the results of ``other`` for the flights ``where`` (n,), own results elsewhere."""
 
         def pick(own: Any, its: Any) -> Any:
             if isinstance(own, RotorWrenches):
@@ -642,8 +642,8 @@ INVERTED = (
 )
 
 JUMP = 2e-3
-"""Largest imbalance of a state over the weight, from jumps of the loads where the nodes of a rotor
-change with the speed."""
+"""Largest permitted imbalance of a state over the weight.  The loads jump at speeds at which the
+number of nodes of a rotor changes."""
 
 NOT_FOUND, STALL, OUTSIDE_TABLE = "no_trim", "stall", "outside_table"
 VORTEX_RING, COARSE = "vortex_ring", "coarse"
