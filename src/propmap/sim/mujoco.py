@@ -54,7 +54,7 @@ class MujocoRotors:
     A ``Rotor`` with uniform inflow or the inflow of Pitt and Peters has the loads and the inflow
     states of ``DynamicInflow``.  The inflow is steady at the first time of each MjData and after a
     jump of ``data.time``, such as a reset.  The inflow advances with the time steps.  Within a step
-    of RK4, it is interpolated linearly.  With another inflow or a table, the loads are quasi-static.
+    of RK4, it is interpolated linearly.  With another inflow or a table, loads are quasi-static.
 
     Parameters
     ----------
