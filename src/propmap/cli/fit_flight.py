@@ -263,14 +263,14 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
 
     Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
     flights also vary the drag of the rotor mounts, which replaces the body drag in the disk plane,
-    the body drag along z, the accelerometer, the wakes of several rotors on each other, and for
+    the body drag along z, the accelerometer, the wakes of rotors if ``wakes_interact``, and for
     each flight of the ``log`` the clock and, with several flights, the thrust scale.
     """
     if level:
         return PAPER_FOUR
     turning = tuple(parameters.TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
-    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
+    wakes = tuple(parameters.WAKES) if flight.wakes_interact(vehicle, log) else ()
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)
