@@ -189,9 +189,8 @@ def force_errors(
 
     The sources are the joint covariance of all free parameters, the differences between flights,
     and the cross-validated error.  The cross-validated error grows with the force on the vehicle,
-    or with V/(Omega R) beyond the data of the fit, if that is more.  The growth with V/(Omega R) is
-    the same for all samples.  Return None for a fit of other
-    data.
+    or with V/(Omega R) beyond the data of the fit, if that is more; the latter growth is the same
+    for all samples.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":

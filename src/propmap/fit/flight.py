@@ -548,10 +548,9 @@ flights up to 0.3, and this fit predicts only a quarter of the thrust at 4.2 m/s
 
 def wakes_interact(vehicle: Vehicle, log: FlightLog) -> bool:
     """Return whether a flight is fast enough to determine the wakes of several rotors."""
-    disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
-    count = len(vehicle.mounts)
-    inflow = np.sqrt(vehicle.mass * GRAVITY / (2.0 * count * disk))
-    return count > 1 and bool(np.nanmax(log.speed) > SKEWED * inflow)
+    disks = len(vehicle.mounts) * vehicle.air.density * np.pi * vehicle.propeller.radius**2
+    inflow = np.sqrt(vehicle.mass * GRAVITY / (2.0 * disks))
+    return len(vehicle.mounts) > 1 and bool(np.nanmax(log.speed) > SKEWED * inflow)
 
 
 # -------------------------------------------------------------------------------------------------

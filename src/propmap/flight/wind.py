@@ -5,8 +5,7 @@ convergence, with a linear regression of the force over the band of the last est
 wind is a random walk; vertical wind varies about zero.  The error along each axis of the vehicle is
 a first-order Markov process, as large as the error of the fit on held-out segments.  Errors of the
 parameters and differences between flights (trim of the attitude, thrust scale, clock) are the same
-for all samples.  These errors widen the bands; of the flight, only the prior of the mean vertical
-wind corrects the parameters.
+for all samples.  These errors widen the bands; only the mean vertical wind corrects them.
 """
 
 from __future__ import annotations
