@@ -62,10 +62,11 @@ def held_out(vehicle: str, fit: Path, path: Path, name: str) -> HeldOut:
     found = comparison.force_errors(known, flown, log, values)
     assert found is not None
     weight, deviations = flown.mass * GRAVITY, {}
+    between = found.covariance[-1, -1] / comparison.DRAG_DEVIATION**2  # 1 + 1/flights of the fit
     last = np.arange(-3, 0)  # trims about x and y, and drag
     for trim, drag in itertools.product(TRIMS, DRAGS):
         covariance = found.covariance.copy()
-        covariance[last, last] = np.square([trim, trim, drag])
+        covariance[last, last] = between * np.square([trim, trim, drag])
         each = found._replace(covariance=covariance).deviations
         deviations[trim, drag] = each[:, :3] / weight
     error = found.loads[:, :3] - flown.mass * log.specific_force

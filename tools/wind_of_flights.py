@@ -102,7 +102,7 @@ def rounded(values: Floats, digits: int = 2) -> list[float | None]:
 
 def twins(place: Path) -> list[dict[str, Any]]:
     """Errors over simulated flights, with the true constants of the vehicle, and by fits."""
-    true, fits = [windy.fit_of()], [still(place, seed) for seed in range(FITS)]
+    true, fits = [windy.fit_of()], still(place)
     rows = [gusty(true, path, gust, TWINS) for path in windy.PATHS for gust in GUSTS]
     by_fits = [gusty(fits, path, GUSTS[1], TWINS_OF_FIT) for path in windy.PATHS]
     return [{"fit": "true constants"} | one for one in rows] + [
@@ -110,16 +110,22 @@ def twins(place: Path) -> list[dict[str, Any]]:
     ]
 
 
-def still(place: Path, seed: int) -> FitFile:
-    """Return a fit to one simulated flight in still air on each path."""
-    vehicle, logs = place / "twin.toml", [place / f"{seed}-{path}.csv" for path in windy.PATHS]
+def still(place: Path) -> list[FitFile]:
+    """Return fits, each to one simulated flight in still air on each path."""
+    vehicle = place / "twin.toml"
     # All rotors of the simulation turn at one speed, so its moments do not balance.
     text = re.sub("(?m)^inertia.*\n", "", vehicle_text(log_table(4)))
     vehicle.write_text(text, encoding="utf-8")
-    for k, (path, log) in enumerate(zip(windy.PATHS, logs, strict=True)):
-        (flown,) = windy.flights(path, np.zeros((1, 3)), 0.0, SECONDS, 100 * seed + k)
-        windy.write(flown.log, log)
-    return read_fit(fitted(logs, str(vehicle), place / f"twin-{seed}.toml", *windy.QUICK))
+    logs: list[list[Path]] = [[] for _ in range(FITS)]
+    for k, path in enumerate(windy.PATHS):
+        for fit, flown in enumerate(windy.flights(path, np.zeros((FITS, 3)), 0.0, SECONDS, k)):
+            logs[fit].append(place / f"{fit}-{path}.csv")
+            windy.write(flown.log, logs[fit][-1])
+    files = [place / f"twin-{fit}.toml" for fit in range(FITS)]
+    return [
+        read_fit(fitted(each, str(vehicle), file, *windy.QUICK))
+        for each, file in zip(logs, files, strict=True)
+    ]
 
 
 def gusty(fits: Sequence[FitFile], path: str, gust: float, count: int) -> dict[str, Any]:

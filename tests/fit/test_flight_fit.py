@@ -14,7 +14,7 @@ from propmap.errors import InputError
 from propmap.fit.comparison import compare_forces, flight_forces
 from propmap.fit.fit import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
-from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.fit.parameters import FIRST_GUESS, SECTION, WAKES, Choice
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
@@ -224,6 +224,17 @@ def test_what_the_range_of_speeds_cannot_tell() -> None:
     (hover,), (one,) = told(0.0, 0.3, 0.5), told(7.0, 7.5, 8.0)
     assert "all data are from hover" in hover
     assert "all data are from one speed, 7.0 to 8.0 m/s" in one
+
+
+def test_wakes_are_free_by_default_in_fast_flights() -> None:
+    """Below half of the inflow of hover, the wakes hardly reach other rotors."""
+    disk = vehicle().air.density * np.pi * PROPELLER.radius**2
+    inflow = np.sqrt(GRAVITY / 4.0 / (2.0 * disk))
+    slow, fast = (log(((0.0, 0.0, 0.0), (k * inflow, 0.0, 0.0))) for k in (0.49, 0.51))
+    one = vehicle(mounts=MOUNTS[:1])
+    assert not set(WAKES) & set(free_by_default(vehicle(), slow, level=False))
+    assert set(WAKES) <= set(free_by_default(vehicle(), fast, level=False))
+    assert not set(WAKES) & set(free_by_default(one, fast, level=False))
 
 
 def test_a_wing_takes_the_place_of_the_plate_in_fits() -> None:

@@ -15,9 +15,11 @@ from propmap.fit.comparison import (
     compare_forces,
     force_errors,
 )
-from propmap.fit.files import FitFile
+from propmap.fit.files import DataSource, FitFile
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, PER_FLIGHT, SECTION
+from propmap.model.envelope import Envelope
+from propmap.vehicle.log import hub_flow
 from tests.fit.fit_records import load, parameter, record
 from tests.fit.flight_twin import VEHICLE, manoeuvre
 
@@ -38,6 +40,7 @@ def flown(**changed: object) -> FitFile:
         ],
         "covariance": np.diag([SPREAD**2, 1e6]),
         "loads": loads,
+        "data": [DataSource(name, "abc") for name in ("first.csv", "second.csv", "vehicle.toml")],
     }
     return FitFile(LAW, None, record(**entries | changed))
 
@@ -56,7 +59,7 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     h = 1e-3
     steeper = LAW.with_parameters(c_l1=LAW.c_l1 + h)
     here = forces(LAW)
-    squares = SPREAD**2 * ((forces(steeper) - here) / h) ** 2
+    squares = np.zeros_like(here)
     for name, deviation in PER_FLIGHT.items():
         if name != "clock_offset":
             moved = forces(LAW, **{name: values[name] + h})
@@ -64,6 +67,8 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     # The rotors pull along z, so drag acts along x and y.
     squares = squares + np.square(DRAG_DEVIATION * here * [1.0, 1.0, 0.0])
     squares = squares + (PER_FLIGHT["clock_offset"] * VEHICLE.mass * LOG.specific_force_rate) ** 2
+    # The parameters of a fit to two flights contain the mean difference of these flights.
+    squares = 1.5 * squares + SPREAD**2 * ((forces(steeper) - here) / h) ** 2
     # Measured forces of the made-up fit have a root mean square of 1 along each axis.
     growth = np.maximum(np.sum(here**2, axis=1, keepdims=True) / 3.0, 1.0)
     wanted = np.sqrt(squares + growth * np.square(LEFT))
@@ -72,6 +77,21 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     # Moments were not fitted: how far they err is not known.
     assert np.isnan(found[:, 3:]).all()
     assert force_errors(flown(kind="tunnel"), VEHICLE, LOG, {}) is None
+
+
+def test_errors_beyond_the_data_of_the_fit_are_common_to_all_samples() -> None:
+    """The error grows with V/(Omega R) over its maximum in the fit; the growth is a parameter."""
+    narrow = Envelope((0.0, 100.0), (0.0, 0.02), (0.0, 0.02), (-0.02, 0.02), (100.0, 1e5))
+    file = flown(envelope=narrow)
+    beyond = file.beyond(hub_flow(VEHICLE, LOG)[:3], VEHICLE.propeller.radius)
+    known, found = (force_errors(one, VEHICLE, LOG, {}) for one in (flown(), file))
+    assert known is not None and found is not None and beyond is not None
+    np.testing.assert_array_equal(found.left, known.left)
+    growth = (known.left[:, :3] / LEFT) ** 2
+    more = np.maximum(beyond.reach[:, None] ** 2 - growth, 0.0) * np.square(LEFT)
+    assert np.any(more > 0.0)
+    grown = found.deviations**2 - known.deviations**2
+    np.testing.assert_allclose(grown[:, :3], more, atol=1e-12)
 
 
 def test_the_share_of_samples_in_the_band() -> None:

@@ -11,7 +11,16 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.fit.files import FitFile
-from propmap.flight.wind import FIRST, VERTICAL, WHITE, WindEstimate, _Balance, bands, estimate_wind
+from propmap.flight.wind import (
+    FIRST,
+    UP,
+    VERTICAL,
+    WHITE,
+    WindEstimate,
+    _Balance,
+    bands,
+    estimate_wind,
+)
 from propmap.model.envelope import Envelope
 from propmap.vehicle.log import FlightLog, low_passed
 
@@ -103,14 +112,21 @@ def test_the_smoother_is_the_conditional_distribution() -> None:
     slopes, off = slopes[kept], target.reshape(42, 3)[kept]
     gain = prior @ slopes.T @ np.linalg.inv(slopes @ prior @ slopes.T + error[np.ix_(kept, kept)])
     mean, covariance = gain @ off, prior - gain @ slopes @ prior
-    covariance = covariance + mean[:, 1:] @ common @ mean[:, 1:].T
-    np.testing.assert_allclose(found.wind.ravel(), mean[:, 0], atol=1e-8)
-    half = bands(found.covariance)
-    np.testing.assert_allclose(half.ravel(), bands(covariance), rtol=1e-8)
     # The mean over time, with the wind at the start of each interval.
     share = np.kron(np.diff(time) / (time[-1] - time[0]), np.eye(3))
-    np.testing.assert_allclose(found.mean, share @ mean[:-3, 0], atol=1e-8)
     of_mean = share @ covariance[:-3, :-3] @ share.T
+    # The prior of the mean vertical wind also determines the common parameters.
+    up = share @ mean[:-3]
+    expected = UP**2 + 0.1 * min(1.0, 2.0 * VERTICAL / (time[-1] - time[0])) - of_mean[2, 2]
+    weight = up[2, 1:] / expected
+    posterior = np.linalg.inv(np.linalg.inv(common) + np.outer(weight, up[2, 1:]))
+    errors = np.append(1.0, -posterior @ weight * up[2, 0])
+    covariance = covariance + mean[:, 1:] @ posterior @ mean[:, 1:].T
+    of_mean = of_mean + up[:, 1:] @ posterior @ up[:, 1:].T
+    np.testing.assert_allclose(found.wind.ravel(), mean @ errors, atol=1e-8)
+    half = bands(found.covariance)
+    np.testing.assert_allclose(half.ravel(), bands(covariance), rtol=1e-8)
+    np.testing.assert_allclose(found.mean, up @ errors, atol=1e-8)
     np.testing.assert_allclose(found.mean_covariance, of_mean, atol=1e-8)
     alone = bands(balance.smoothed(scales, 0.0 * common).covariance).sum(axis=1)
     assert alone[7] > max(alone[3], alone[11])
@@ -134,6 +150,16 @@ def test_another_vehicle_has_a_doubt() -> None:
     # The excess of lift appears as vertical wind only.
     half = bands(found.mean_covariance)
     assert np.all(np.abs(found.mean[:2]) < half[:2]) and found.mean[2] > 5.0
+
+
+def test_an_error_of_the_thrust_is_no_lasting_vertical_wind() -> None:
+    """With 1 % more thrust, the mean vertical wind and its error stay within the band."""
+    log = still("hover", (0.0, 0.0, 0.0))
+    found, more = (
+        estimated(replace(log, specific_force=scale * log.specific_force)) for scale in (1.0, 1.01)
+    )
+    assert 0.0 < more.mean[2] - found.mean[2] < 0.2
+    assert abs(more.mean[2]) < more.mean_half_width[2] < 0.7
 
 
 def test_a_flight_has_its_own_scale_even_if_its_name_is_that_of_a_fitted_flight() -> None:
@@ -164,10 +190,14 @@ def test_other_fits_and_logs_without_flight_are_refused() -> None:
         estimate_wind(windy.fit_of(), windy.VEHICLE, log.picked(slice(0)))
 
 
-def test_far_beyond_the_data_of_the_fit_there_is_no_wind() -> None:
-    """The fit contains V/(Omega R) up to 0.02, and the wind alone is more than twice as fast."""
+def test_beyond_the_data_of_the_fit_the_bands_are_wider() -> None:
+    """The fit contains V/(Omega R) up to 0.02, and the wind alone is more than twice as fast.
+
+    The error beyond the data is the same for all samples, so the band of the mean contains it.
+    """
     narrow = Envelope((0.0, 100.0), (0.0, 0.02), (0.0, 0.02), (-0.02, 0.02), (1000.0, 20000.0))
     log = still("hover", (0.0, -6.0, 0.0))
-    found = estimated(log, windy.fit_of(envelope=narrow))
-    assert set(found.status) == {"outside"} and np.isnan(found.wind).all()
-    assert np.isnan(found.mean).all() and "fitted data" in found.remarks[0]
+    found, known = estimated(log, windy.fit_of(envelope=narrow)), estimated(log)
+    assert set(found.status) <= {"extrapolated", "weak"} and "fitted data" in found.remarks[0]
+    assert np.all(np.abs(found.mean - [0.0, -6.0, 0.0]) < found.mean_half_width)
+    assert np.all(found.mean_half_width[:2] > 2.0 * known.mean_half_width[:2])

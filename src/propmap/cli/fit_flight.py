@@ -261,14 +261,15 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """Return the parameters that a fit to flights varies by default.
 
     Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
-    flights vary ``BLADE``, and the parameters below that apply to the vehicle and the ``log``.  The
-    drag of the rotor mounts replaces the body drag in the disk plane.
+    flights vary ``BLADE``, and the parameters below that apply to the vehicle and the ``log``, the
+    wakes of rotors if ``wakes_interact``.  The drag of the rotor mounts replaces the body drag in
+    the disk plane.
     """
     if level:
         return PAPER_FOUR
     turning = tuple(parameters.TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
-    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
+    wakes = tuple(parameters.WAKES) if flight.wakes_interact(vehicle, log) else ()
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)

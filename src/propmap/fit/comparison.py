@@ -147,11 +147,12 @@ BAND = 1.96  # half width of a 95 % band, in standard deviations
 class ForceErrors(NamedTuple):
     """Forces [N] and moments [N m] by a flight fit at n samples, and the sources of their errors.
 
-    The errors of P parameters are the same for all samples of a flight.
+    The errors of P parameters are the same for all samples of a flight.  The first six parameters
+    are the errors of each load beyond the data of the fit; the last parameter is a drag factor.
     """
 
     loads: Floats  # (n, 6)
-    slopes: Floats  # derivatives by the parameters, of which the last is a drag factor, (P, n, 6)
+    slopes: Floats  # derivatives with respect to the parameters, (P, n, 6)
     covariance: Floats  # of the parameters, with their differences between flights, (P, P)
     left: Floats  # standard deviations of all other errors, (n, 6); NaN for loads not fitted
     excluded: tuple[str, ...]  # free parameters that the data of the fit do not determine
@@ -188,8 +189,8 @@ def force_errors(
 
     The sources are the joint covariance of all free parameters, the differences between flights,
     and the cross-validated error.  The cross-validated error grows with the force on the vehicle,
-    or with V/(Omega R) beyond the data of the fit, if that is more.  Return None for a fit of other
-    data.
+    or with V/(Omega R) beyond the data of the fit, if that is more; the latter growth is the same
+    for all samples.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -205,20 +206,24 @@ def force_errors(
     axis = vehicle.rotor_axes.sum(axis=0)
     axis /= max(float(np.linalg.norm(axis)), 1e-9)
     across = np.pad(loads[:, :3] - np.outer(loads[:, :3] @ axis, axis), ((0, 0), (0, 3)))
-    slopes = np.stack([*(by_free[free.index(name)] for name in names), across])
-    spread = [*parameters.PER_FLIGHT.values(), DRAG_DEVIATION]
-    covariance = np.diag(np.square([0.0] * len(known.names) + spread))
-    covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
     trained = sum(fitted[name].measured_rms ** 2 for name in flight.AXES)
-    growth = np.sum(loads[:, :3] ** 2, axis=1) / trained
-    growth = np.maximum(growth, 1.0 if beyond is None else beyond.reach**2)
-    left = np.full_like(loads, np.nan)
+    growth = np.maximum(np.sum(loads[:, :3] ** 2, axis=1) / trained, 1.0)
+    further = np.zeros(len(log)) if beyond is None else np.maximum(beyond.reach**2 - growth, 0.0)
+    left, extrapolated = np.full_like(loads, np.nan), np.zeros((6, *loads.shape))
     for k, name in enumerate((*flight.AXES, *flight.MOMENTS)):
         if name in fitted:
             size = fitted[name].cross_validated
-            left[:, k] = np.sqrt(growth) * (size if np.isfinite(size) else fitted[name].rms)
+            size = size if np.isfinite(size) else fitted[name].rms
+            left[:, k], extrapolated[k, :, k] = np.sqrt(growth) * size, np.sqrt(further) * size
+    slopes = np.stack([*extrapolated, *(by_free[free.index(name)] for name in names), across])
+    # The flight differs from the mean over all flights, and the flights of the fit do, too.
+    share = 1.0 / max(1, len(record.data) - 1)  # the last item is the vehicle file
+    spread = (1.0 + share) * np.square([*parameters.PER_FLIGHT.values(), DRAG_DEVIATION])
+    end = 6 + len(known.names)
+    covariance = np.diag(np.concatenate([np.ones(end), spread]))
+    covariance[6:end, 6:end] = known.matrix
     return ForceErrors(loads, slopes, covariance, left, every.unknown)
 
 

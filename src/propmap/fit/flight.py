@@ -540,6 +540,19 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     return Wakes(**(asdict(vehicle.wakes or Wakes()) | given))
 
 
+SKEWED = 0.5
+"""Least airspeed of a flight over the inflow of hover at which the wakes of a fit are free [-]; at
+slower speeds, wakes are within 27 deg of the rotor axis.  Wakes do not improve a fit to Neural-Fly
+flights up to 0.3, and this fit predicts only a quarter of the thrust at 4.2 m/s."""
+
+
+def wakes_interact(vehicle: Vehicle, log: FlightLog) -> bool:
+    """Return whether a flight is fast enough to determine the wakes of several rotors."""
+    disks = len(vehicle.mounts) * vehicle.air.density * np.pi * vehicle.propeller.radius**2
+    inflow = np.sqrt(vehicle.mass * GRAVITY / (2.0 * disks))
+    return len(vehicle.mounts) > 1 and bool(np.nanmax(log.speed) > SKEWED * inflow)
+
+
 # -------------------------------------------------------------------------------------------------
 # The thrust scale of a flight from its hover: effect of battery, mass and rotor speed errors.
 #

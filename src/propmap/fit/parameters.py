@@ -70,7 +70,7 @@ PER_FLIGHT = {
 deviations over flights.
 
 With these tilts and ``comparison.DRAG_DEVIATION``, the interval score over held-out flights of two
-vehicles is within 1 % of the smallest score (``tools.flight_bands``)."""
+vehicles is within 4 % of the smallest score (``tools.flight_bands``)."""
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 _NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE

@@ -5,7 +5,7 @@ convergence; each pass linearizes the force by regression over the band of the l
 Horizontal wind is a random walk; vertical wind varies about zero.  The error along each axis of the
 vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
 Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
-are the same for all samples.  They widen the bands; the flight does not correct the parameters.
+are the same for all samples.  They widen the bands; only the mean vertical wind corrects them.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ WELL = 2.0  # largest half width [m/s] of the 95 % bands of well-determined hori
 RATE = 5.0  # largest number of samples per second: errors of adjacent samples are similar
 FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/s]
 VERTICAL = 5.0  # correlation time of the vertical wind [s]: height of 25 m / wind of 5 m/s
+UP = 0.2  # prior standard deviation of the mean vertical wind [m/s]: 2 deg of slope at 5 m/s
 USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
 """Prior means and standard deviations of the logarithms of the intensity of the horizontal walk
 [m^2/s^3], of the variance of the vertical wind [m^2/s^2], and of the correlation times of the
@@ -44,11 +45,10 @@ GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # at most this many regressions and samples tune scales
-FURTHEST = 2.0  # largest V/(Omega R) of an estimate, relative to the maximum of the fit [-]
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
-"""Residuals relative to their expected size [-], and rms vertical wind [m/s], above which a remark
-asks whether the vehicle is the vehicle of the fit."""
+"""Residuals relative to their expected size [-], and mean vertical wind with the parameters of the
+fit [m/s], above which a remark asks whether the vehicle is the vehicle of the fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class WindEstimate:
         Samples of the flight, with the velocity over the ground.
     wind, covariance : ndarray, shape (n, 3), (n, 3, 3)
         Velocity of the air over the ground [m/s], and covariance of its error [m^2/s^2]; NaN for
-        the status "not_converged" or "outside".
+        the status "not_converged".
     mean, mean_covariance : ndarray, shape (3,), (3, 3)
         Mean wind [m/s], and covariance of its error [m^2/s^2]; NaN if fewer than half of the
         samples have a wind.
@@ -69,8 +69,7 @@ class WindEstimate:
         Standard deviation of each component of the wind over the flight [m/s].
     status : ndarray of str, shape (n,)
         "ok"; "extrapolated" outside the data of the fit; "weak" if the 95 % band of a horizontal
-        component is wider than +-2 m/s; "not_converged"; "outside" if V/(Omega R) exceeds twice the
-        maximum of the fit.
+        component is wider than +-2 m/s; "not_converged".
     remarks : tuple of str
         Warnings about the estimate, one sentence each.
     """
@@ -218,14 +217,11 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         wind = wind + np.clip(share * move, -LONGEST_STEP, LONGEST_STEP)
         spread = spread + share * (found.covariance - spread)
     beyond = file.beyond(hub_flow(vehicle, air)[:3], vehicle.propeller.radius)
-    far = np.zeros_like(settled) if beyond is None else beyond.reach > FURTHEST
-    known = settled & ~far
-    band, half = bands(found.covariance), float(np.mean(known)) >= 0.5
+    band, half = bands(found.covariance), float(np.mean(settled)) >= 0.5
     status = np.full(len(log), "ok", dtype="<U13")
     status[False if beyond is None else beyond.samples] = "extrapolated"
     status[np.any(band[:, :2] > WELL, axis=1)] = "weak"
     status[~settled] = "not_converged"
-    status[far] = "outside"
     variance = np.var(found.wind, axis=0) + np.mean((band / BAND) ** 2, axis=0)
     variance -= np.diag(found.mean_covariance)
     remarks = [*(beyond.sentences("samples") if beyond else ()), *_doubts(found, settled)]
@@ -234,8 +230,8 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         remarks.append(f"the bands exclude {names}, which the data of the fit do not determine")
     return WindEstimate(
         log=log,
-        wind=np.where(known[:, None], found.wind, np.nan),
-        covariance=np.where(known[:, None, None], found.covariance, np.nan),
+        wind=np.where(settled[:, None], found.wind, np.nan),
+        covariance=np.where(settled[:, None, None], found.covariance, np.nan),
         mean=np.where(half, found.mean, np.nan),
         mean_covariance=np.where(half, found.mean_covariance, np.nan),
         gusts=np.where(half, np.sqrt(np.maximum(variance, 0.0)), np.nan),
@@ -269,9 +265,10 @@ def _doubts(found: _Smoothed, settled: NDArray[np.bool_]) -> list[str]:
     if found.misfit > MISFIT:
         fault = f"the residuals are {found.misfit:.2g} times the residuals of the fit"
         texts.append(f"{fault}: {causes}")
-    up = rms(found.wind[:, 2])
-    if up > UPDRAFT:
-        texts.append(f"the vertical wind is unusually strong, {up:.2g} m/s rms: {causes}")
+    up = found.uncorrected_up
+    if abs(up) > UPDRAFT:
+        fault = f"the thrust of the fit requires a mean vertical wind of {up:.2g} m/s"
+        texts.append(f"{fault}: {causes}")
     return texts
 
 
@@ -298,6 +295,7 @@ class _Smoothed(NamedTuple):
     covariance: Floats
     mean: Floats
     mean_covariance: Floats
+    uncorrected_up: float  # mean vertical wind with the parameters of the fit [m/s]
     misfit: float  # rms of the residuals over their expected size [-]
 
 
@@ -386,17 +384,24 @@ class _Balance(NamedTuple):
         """
         found, move = self.filtered(scales[None])[0], self.moves(scales[None])[0][:, 0]
 
+        last, its_spread = found[-1][0][0, MEAN], found[-1][1][0, MEAN, MEAN]
+        # Without an update of ``common``, an error of the thrust would be a lasting vertical wind.
+        up, seconds = last[2, 1:], self.time[-1] - self.time[0]
+        prior = UP**2 + np.exp(scales[1]) * min(1.0, 2.0 * VERTICAL / seconds)
+        share = common @ up / (up @ common @ up + prior - its_spread[2, 2])
+        common = common - np.outer(share, up @ common)
+        errors = np.concatenate([[1.0], -share * last[2, 0]])
+
         def widened(covariance: Floats, columns: Floats) -> Floats:
             return np.asarray(covariance + columns[:, 1:] @ common @ columns[:, 1:].T)
 
         wind, spread = np.empty((len(found), 3)), np.empty((len(found), 3, 3))
         adjoint, curvature, squares = np.zeros((9, self.target.shape[-1])), np.zeros((9, 9)), 0.0
-        last, its_spread = found[-1][0][0, MEAN], found[-1][1][0, MEAN, MEAN]
         for k in range(len(found) - 1, -1, -1):
             mean, covariance, gain, innovation, inverse = (each[0] for each in found[k])
             rows = covariance[WIND]
             columns = mean[WIND] - rows @ adjoint
-            wind[k] = columns[:, 0]
+            wind[k] = columns @ errors
             spread[k] = widened(rows[:, WIND] - rows @ curvature @ rows.T, columns)
             weighted = self.slopes[k].T @ inverse
             kept = np.eye(9) - gain @ self.slopes[k]
@@ -405,4 +410,5 @@ class _Balance(NamedTuple):
             curvature = move[k].T @ curvature @ move[k]
             squares += float(innovation[:, 0] @ inverse @ innovation[:, 0])
         misfit = math.sqrt(squares / self.target[..., 0].size)
-        return _Smoothed(wind, spread, last[:, 0], widened(its_spread, last), misfit)
+        mean = last @ errors
+        return _Smoothed(wind, spread, mean, widened(its_spread, last), float(last[2, 0]), misfit)
