@@ -4,8 +4,6 @@
 // meet at folds, the radii at which stall begins or ends (disk.hpp).  Harmonics describe how inflow varies with azimuth.
 #pragma once
 
-#include <atomic>
-
 #include "disk.hpp"
 #include "ground_effect.hpp"
 
@@ -87,7 +85,8 @@ template <template <class> class LawOf> class RotorSolver {
     // Set the flow (in descent with the static inflow), the branch of momentum theory and the azimuths.
     void prepare(const Flow<double>& at, Solution& s) const {
         s.flow = at;
-        s.flow.v_hover = at.v_axial < 0.0 ? interpolated_hover_inflow(at.omega) : 0.0;
+        const auto hover = [&](double omega) { return hover_inflow(omega); };
+        s.flow.v_hover = at.v_axial < 0.0 ? static_inflow_.at(at.omega, rotor_.tip(), hover) : 0.0;
         s.result = Result{};
         s.harmonics = {};
         s.windmill = vortex_ring::windmill(s.flow);
@@ -183,25 +182,6 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // The static inflow, interpolated: v_i0/Omega by a cubic in log2(Omega), from its values at fixed tip speeds, 32 per
-    // octave.  Each value is computed on first use.  (At 16 per octave, one of 100 random rotors erred by 8e-5.)
-    double interpolated_hover_inflow(double omega) const {
-        const double tip_speed = std::clamp(omega * rotor_.tip(), slowest_tip, fastest_flow);
-        const double place = per_octave * std::log2(tip_speed / slowest_tip);
-        const int first = int(place);
-        const double t = place - first;
-        const double weight[] = {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-                                 -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
-        double ratio = 0.0;
-        for (int k = 0; k < 4; ++k) {
-            std::atomic<double>& known = hover_ratios_[first + k];  // threads may compute it twice, with the same bits
-            const double at = slowest_tip / rotor_.tip() * std::exp2((first + k - 1.0) / per_octave);
-            if (known == 0.0) known = hover_inflow(at) / at;
-            ratio += weight[k] * known;
-        }
-        return std::max(ratio, 0.0) * omega;
-    }
-
     // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 8.
     Annuli<Modeled> annuli(const Solution& s) const {
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
@@ -210,13 +190,6 @@ template <template <class> class LawOf> class RotorSolver {
 
     bool has_harmonics(const Solution& s) const {  // whether the inflow varies around the disk
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
-    }
-
-    // The response with its gains multiplied by `share`: harmonics fade out within the vortex ring.
-    template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
-        for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
-            *part = *part * share;
-        return r;
     }
 
     // Loads per density with harmonics, their derivatives with respect to the harmonics, and the integrand for `tail`.
@@ -229,13 +202,10 @@ template <template <class> class LawOf> class RotorSolver {
             const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], psi, h);
             const Lanes share = weight * (at.radius * (1.0 / rotor_.tip()));
             const auto here = loads_of(rotor_, at, turn.forces);
-            const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes by) {
-                for (int k = 0; k < Loads<double>::count; ++k) into.begin()[k] += sum(by * part.begin()[k]);
-            };
-            add_up(loads, here, weight);
-            add_up(by[0], loads_of(rotor_, at, turn.by_mean), weight);
-            add_up(by[1], loads_of(rotor_, at, turn.by_sine), share);
-            add_up(by[2], loads_of(rotor_, at, turn.by_cosine), share);
+            loads.add(here, weight);
+            by[0].add(loads_of(rotor_, at, turn.by_mean), weight);
+            by[1].add(loads_of(rotor_, at, turn.by_sine), share);
+            by[2].add(loads_of(rotor_, at, turn.by_cosine), share);
             keep_integrand(s, g, weight, here, integrand);
         }
     }
@@ -315,17 +285,13 @@ template <template <class> class LawOf> class RotorSolver {
             if (around && !rotor_.radial_friction) break;
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
-            const auto add_up = [&](const Loads<Lanes>& per_radius) {
-                for (int k = 0; k < Loads<double>::count; ++k)
-                    total.begin()[k] += sum(weight * per_radius.begin()[k]);
-            };
             if (!around) {
                 const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], s.psi));
-                add_up(per_radius);
+                total.add(per_radius, weight);
                 keep_integrand(s, g, weight, per_radius, integrand);
             }
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
-                add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
+                total.add(radial_friction(rotor_, at, s.flow, inflow[g], s.psi), weight);
         }
         s.result.blade_drag = rotor_.density * total.drag;
         complete_loads(rotor_, s.flow, s.mean.inflow, total);
@@ -337,7 +303,7 @@ template <template <class> class LawOf> class RotorSolver {
     // Solve for the harmonics and the loads, which depend on each other.  Newton's method solves three equations from
     // zero, first over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
-        const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
+        const auto response = harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()).faded(1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
         Loads<double> loads{}, by[3];
         Harmonics<double> h{};
@@ -380,14 +346,10 @@ template <template <class> class LawOf> class RotorSolver {
         return loads;
     }
 
-    static constexpr double slowest_tip = 1e-3;  // [m/s]
-    static constexpr int per_octave = 32, ratios = 30 * per_octave + 4;  // up to `fastest_flow`
-
     Modeled rotor_;
     Accuracy accuracy_;
     double static_thrust_ = 1.0, static_torque_ = 1.0;
-    // v_i0/Omega [m] at the tip speeds of `interpolated_hover_inflow`; zero if it is not yet known.
-    std::unique_ptr<std::atomic<double>[]> hover_ratios_ = std::make_unique<std::atomic<double>[]>(ratios);
+    StaticInflow static_inflow_;
 };
 
 }  // namespace propmap
