@@ -568,7 +568,7 @@ template <class R> void narrow(const Annuli<R>& of, Hump& low, Hump& high, doubl
 template <class R> double radius_at_stall_angle(const Annuli<R>& of, double first, double last, double side) {
     const double gap = last - first;
     double y = 0.5 * (first + last), step = gap;
-    for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
+    for (int k = 0; k < 10 && std::fabs(step) > 1e-7 * y; ++k) {
         const double aside = 1e-6 * y;
         const auto at = of.station(each_lane([&](int lane) { return lane == 0 ? y : y - aside; }));
         const Lanes g = of.residual(at, inflow_at_angle(of, at, of.stall_angle(at, side))).v;

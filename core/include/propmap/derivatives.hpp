@@ -129,11 +129,11 @@ void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, c
     solver.loads_and_slopes(s, psi, values, s.harmonics, unused, by, integrand.data());
     const double tip = solver.rotor().tip();
     const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, inflow.mean};
-    const auto response = solver.faded(harmonic_response(rotor.inflow_shape, mean, tip), S(1.0 - vortex_ring::weight(flow)));
+    const auto response = harmonic_response(rotor.inflow_shape, mean, tip).faded(S(1.0 - vortex_ring::weight(flow)));
     const auto h = response.harmonics({loads.thrust, loads.roll_moment, S(-loads.pitch_moment)}, without);
     S wanted[3] = {h.mean, h.lateral, h.longitudinal};
     for (S& w : wanted) w.v = 0.0;
-    const auto now = solver.faded(harmonic_response(rotor.inflow_shape, s.mean, tip), 1.0 - s.result.ring);
+    const auto now = harmonic_response(rotor.inflow_shape, s.mean, tip).faded(1.0 - s.result.ring);
     const auto step = harmonics_step<S>(now, by, wanted);
     const S steps[3] = {step.mean, step.lateral, step.longitudinal};
     for (int j = 0; j < 3; ++j)
@@ -162,16 +162,13 @@ Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solut
     S without{};
     for (int g = 0; g < s.disk.groups; ++g) {
         const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
-        const auto add_up = [&](const auto& per_radius) {
-            for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += sum(T(nodes.weight[g] * per_radius.begin()[k]));
-        };
         if (around) {
-            add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi, s.harmonics)));
+            total.add(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi, s.harmonics)), nodes.weight[g]);
             without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow.at[g], psi)));
         } else {
-            add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi)));
+            total.add(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi)), nodes.weight[g]);
         }
-        if (rotor.radial_friction) add_up(radial_friction(rotor, at, flow, inflow.at[g], psi));
+        if (rotor.radial_friction) total.add(radial_friction(rotor, at, flow, inflow.at[g], psi), nodes.weight[g]);
     }
     if (around) add_moving_harmonics<N>(solver, s, rotor, flow, inflow, psi, without, total);
     complete_loads(rotor, flow, inflow.mean, total);

@@ -47,7 +47,7 @@ template <class A, class B>
 inline constexpr int common_directions = directions_of<A> > 0 ? directions_of<A> : directions_of<B>;
 
 // f(x) with its derivative `slope` at x.
-template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
+template <class T, class V, class W> auto chain(const T& x, const V& f, const W& slope) {
     if constexpr (IsDual<T>) {
         Dual<V, directions_of<T>> r;
         r.v = f;
@@ -61,7 +61,7 @@ template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
 template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
 
 // f(x, y) with its derivatives with respect to x and y.
-template <class A, class B, class V> auto chain(const A& x, const B& y, const V& f, const V& by_x, const V& by_y) {
+template <class A, class B, class V, class X, class Y> auto chain(const A& x, const B& y, const V& f, const X& by_x, const Y& by_y) {
     if constexpr (IsDual<A> && IsDual<B>) {
         auto r = chain(x, f, by_x);
         for (int k = 0; k < directions_of<A>; ++k) r.d[k] += by_y * y.d[k];
@@ -73,61 +73,26 @@ template <class A, class B, class V> auto chain(const A& x, const B& y, const V&
     }
 }
 
-// Subtracting V{} broadcasts a number to type V at no cost; compilers would not drop an addition of zero.
+// Compilers drop a product with one.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
-    constexpr int N = common_directions<A, B>;
-    using V = decltype(value(a) + value(b));
-    Dual<V, N> r;
-    r.v = value(a) + value(b);
-    for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = a.d[k] - V{};
-        else if constexpr (!IsDual<A>) r.d[k] = b.d[k] - V{};
-        else r.d[k] = a.d[k] + b.d[k];
-    }
-    return r;
+    const auto total = value(a) + value(b);
+    const auto one = broadcast_like(total, 1.0);
+    return chain(a, b, total, one, one);
 }
-
 template <class A, class B> requires EitherDual<A, B> auto operator-(const A& a, const B& b) {
-    constexpr int N = common_directions<A, B>;
-    using V = decltype(value(a) - value(b));
-    Dual<V, N> r;
-    r.v = value(a) - value(b);
-    for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = a.d[k] - V{};
-        else if constexpr (!IsDual<A>) r.d[k] = V{} - b.d[k];
-        else r.d[k] = a.d[k] - b.d[k];
-    }
-    return r;
+    const auto difference = value(a) - value(b);
+    const auto one = broadcast_like(difference, 1.0);
+    return chain(a, b, difference, one, -one);
 }
-
 template <class A, class B> requires EitherDual<A, B> auto operator*(const A& a, const B& b) {
-    constexpr int N = common_directions<A, B>;
-    using V = decltype(value(a) * value(b));
-    Dual<V, N> r;
-    r.v = value(a) * value(b);
-    for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = a.d[k] * b;
-        else if constexpr (!IsDual<A>) r.d[k] = a * b.d[k];
-        else r.d[k] = a.d[k] * b.v + a.v * b.d[k];
-    }
-    return r;
+    return chain(a, b, value(a) * value(b), value(b), value(a));
 }
-
 template <class A, class B> requires EitherDual<A, B> auto operator/(const A& a, const B& b) {
-    if constexpr (!IsDual<B>) {
-        return a * (1.0 / b);
-    } else {
-        auto per = 1.0 / b.v;
-        return a * chain(b, per, -per * per);
-    }
+    const auto per = 1.0 / value(b);
+    return a * chain(b, per, -per * per);
 }
 
-template <class V, int N> Dual<V, N> operator-(const Dual<V, N>& a) {
-    Dual<V, N> r;
-    r.v = -a.v;
-    for (int k = 0; k < N; ++k) r.d[k] = -a.d[k];
-    return r;
-}
+template <IsDual T> T operator-(const T& a) { return chain(a, -a.v, broadcast_like(a.v, -1.0)); }
 
 template <class V, int N, class B> Dual<V, N>& operator+=(Dual<V, N>& a, const B& b) { return a = a + b; }
 

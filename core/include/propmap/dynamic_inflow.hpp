@@ -156,7 +156,7 @@ template <template <class> class LawOf> class DynamicInflow {
         solver_->set_status(s, false);
 
         // If stalled blades amplify a harmonic, the slope for its step excludes the contribution of the blades.
-        const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = solver_->faded(gains, 1.0 - ring);
+        const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = gains.faded(1.0 - ring);
         const auto wanted = response.harmonics({total.thrust, total.roll_moment, -total.pitch_moment}, thrust_without);
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
         const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);

@@ -185,6 +185,10 @@ template <class T> struct Loads {
     static constexpr int count = 6;
     T* begin() { return &thrust; }
     const T* begin() const { return &thrust; }
+    // Add the loads per radius of annuli, with these weights [m].
+    template <class P, class W> void add(const Loads<P>& per_radius, const W& weight) {
+        for (int k = 0; k < count; ++k) begin()[k] += sum(weight * per_radius.begin()[k]);
+    }
 };
 
 // Loads of annuli per radius and density, from the means over a turn.

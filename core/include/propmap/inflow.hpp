@@ -51,6 +51,9 @@ template <class S> struct HarmonicResponse {
         return {mean_by_thrust * (m.thrust - thrust_without), lateral + by_roll * m.roll,
                 longitudinal + by_thrust * m.thrust + by_rear * m.rear};
     }
+    HarmonicResponse faded(const S& share) const {  // multiplied by `share`: harmonics fade out within the vortex ring
+        return {mean_by_thrust * share, lateral * share, longitudinal * share, by_thrust * share, by_roll * share, by_rear * share};
+    }
 };
 
 // The response of this shape, for a disk of radius `tip` [m].

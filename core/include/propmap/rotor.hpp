@@ -85,7 +85,8 @@ template <template <class> class LawOf> class RotorSolver {
     // Set the flow (in descent with the static inflow), the branch of momentum theory and the azimuths.
     void prepare(const Flow<double>& at, Solution& s) const {
         s.flow = at;
-        s.flow.v_hover = at.v_axial < 0.0 ? hover_inflow(at.omega) : 0.0;
+        const auto hover = [&](double omega) { return hover_inflow(omega); };
+        s.flow.v_hover = at.v_axial < 0.0 ? static_inflow_.at(at.omega, rotor_.tip(), hover) : 0.0;
         s.result = Result{};
         s.harmonics = {};
         s.windmill = vortex_ring::windmill(s.flow);
@@ -191,13 +192,6 @@ template <template <class> class LawOf> class RotorSolver {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
-    // The response with its gains multiplied by `share`: harmonics fade out within the vortex ring.
-    template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
-        for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
-            *part = *part * share;
-        return r;
-    }
-
     // Loads per density with harmonics, their derivatives with respect to the harmonics, and the integrand for `tail`.
     void loads_and_slopes(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
@@ -208,13 +202,10 @@ template <template <class> class LawOf> class RotorSolver {
             const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], psi, h);
             const Lanes share = weight * (at.radius * (1.0 / rotor_.tip()));
             const auto here = loads_of(rotor_, at, turn.forces);
-            const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes by) {
-                for (int k = 0; k < Loads<double>::count; ++k) into.begin()[k] += sum(by * part.begin()[k]);
-            };
-            add_up(loads, here, weight);
-            add_up(by[0], loads_of(rotor_, at, turn.by_mean), weight);
-            add_up(by[1], loads_of(rotor_, at, turn.by_sine), share);
-            add_up(by[2], loads_of(rotor_, at, turn.by_cosine), share);
+            loads.add(here, weight);
+            by[0].add(loads_of(rotor_, at, turn.by_mean), weight);
+            by[1].add(loads_of(rotor_, at, turn.by_sine), share);
+            by[2].add(loads_of(rotor_, at, turn.by_cosine), share);
             keep_integrand(s, g, weight, here, integrand);
         }
     }
@@ -294,17 +285,13 @@ template <template <class> class LawOf> class RotorSolver {
             if (around && !rotor_.radial_friction) break;
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
-            const auto add_up = [&](const Loads<Lanes>& per_radius) {
-                for (int k = 0; k < Loads<double>::count; ++k)
-                    total.begin()[k] += sum(weight * per_radius.begin()[k]);
-            };
             if (!around) {
                 const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], s.psi));
-                add_up(per_radius);
+                total.add(per_radius, weight);
                 keep_integrand(s, g, weight, per_radius, integrand);
             }
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
-                add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
+                total.add(radial_friction(rotor_, at, s.flow, inflow[g], s.psi), weight);
         }
         s.result.blade_drag = rotor_.density * total.drag;
         complete_loads(rotor_, s.flow, s.mean.inflow, total);
@@ -316,7 +303,7 @@ template <template <class> class LawOf> class RotorSolver {
     // Solve for the harmonics and the loads, which depend on each other.  Newton's method solves three equations from
     // zero, first over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
-        const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
+        const auto response = harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()).faded(1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
         Loads<double> loads{}, by[3];
         Harmonics<double> h{};
@@ -362,6 +349,7 @@ template <template <class> class LawOf> class RotorSolver {
     Modeled rotor_;
     Accuracy accuracy_;
     double static_thrust_ = 1.0, static_torque_ = 1.0;
+    StaticInflow static_inflow_;
 };
 
 }  // namespace propmap
