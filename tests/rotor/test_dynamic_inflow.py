@@ -331,7 +331,7 @@ def test_states_of_any_layout_and_type_have_the_same_step() -> None:
 
 @pytest.mark.parametrize("name", ["APC 8x6E", "paper-soft"])
 def test_the_vortex_ring_is_that_of_the_static_solution(name: str) -> None:
-    """In slow descent and in forward flight, a step omits the static inflow at rest."""
+    """In slow descent, in the vortex ring and beyond it, at low and high rotational speeds."""
     soft = name == "paper-soft"
     inflow = dynamic(name) if soft else pm.DynamicInflow(pm.Rotor(pm.catalogue_model(name)))
     random, count = np.random.default_rng(11), 400

@@ -67,12 +67,7 @@ template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& 
 // Dynamic inflow of a rotor, at a fixed number of nodes.
 template <template <class> class LawOf> class DynamicInflow {
   public:
-    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : solver_(&solver), nodes_(nodes_for(solver)) {
-        for (double tip_speed = slowest_tip; tip_speed <= fastest_tip; tip_speed *= 1.5) {
-            const double omega = tip_speed / solver.rotor().tip(), ratio = solver.hover_inflow(omega) / omega;
-            least_ = std::min(least_, 0.8 * ratio), most_ = std::max(most_, 1.25 * ratio);
-        }
-    }
+    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : solver_(&solver), nodes_(nodes_for(solver)) {}
 
     int size() const { return harmonics_first + nodes_; }  // of a state [m/s]
 
@@ -97,7 +92,7 @@ template <template <class> class LawOf> class DynamicInflow {
         heading.along_flight(state, h);
         const bool around = rotor.inflow_shape != InflowShape::uniform &&
                             (at.v_inplane > 0.0 || h[0] != 0.0 || h[1] != 0.0 || h[2] != 0.0);
-        prepare(at, s);
+        solver_->prepare(at, s);
         s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
         solver_->start_at(s, nodes_);
@@ -178,23 +173,8 @@ template <template <class> class LawOf> class DynamicInflow {
     }
 
   private:
-    // Prepare the solution as `RotorSolver` does.  In slow descent and in forward flight, omit the static inflow,
-    // because neither the vortex ring nor the windmill branch depends on it there.
-    void prepare(const Flow<double>& at, Solution& s) const {
-        const double least = least_ * at.omega, most = most_ * at.omega, tip_speed = at.omega * solver_->rotor().tip();
-        const bool slow = at.v_axial >= vortex_ring::onset * least;
-        const bool swept = at.v_axial >= vortex_ring::windmill_below * least && at.v_inplane >= vortex_ring::nose * most;
-        Flow<double> flow = at;
-        if ((slow || swept) && tip_speed >= slowest_tip && tip_speed <= fastest_tip) flow.v_axial = std::max(at.v_axial, 0.0);
-        solver_->prepare(flow, s);
-        s.flow.v_axial = at.v_axial;
-        if (flow.v_axial != at.v_axial) s.flow.v_hover = least;
-    }
-
-    static constexpr double slowest_tip = 10.0, fastest_tip = 250.0;  // tip speeds [m/s] for which the limits below hold
     const RotorSolver<LawOf>* solver_;
     int nodes_;
-    double least_ = INFINITY, most_ = 0.0;  // limits of the static inflow over omega [m]
 };
 
 }  // namespace propmap
