@@ -312,7 +312,7 @@ struct Hump {
     double share;          // |height| over the momentum thrust
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
-    double below;          // the same difference at the first sample below with a positive residual; NaN without one
+    double below;          // angle minus stall angle at the first sample below with a positive residual, else NaN
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
@@ -326,9 +326,9 @@ struct Peak {
     bool known() const { return inflow == inflow; }
 };
 
-// Find the top that decides on which branch the largest root is: the first top with a positive height or, if there is
-// none, the highest top.  If there is no top, return the shoulder.  (With the first top always, the search missed
-// attached intervals near the tip, and thrust erred by 0.9 % of static thrust.)
+// Find the top that decides on which branch the largest root is.  This is the first top with a positive height.  Without
+// such a top, it is the highest top, and without any top the shoulder.  (If the function always returned the first top,
+// the search missed attached intervals near the tip, and thrust erred by 0.9 % of static thrust.)
 inline Peak deciding_peak(std::span<const Sample> samples) {
     Peak best;
     double flattest = INFINITY;
@@ -351,8 +351,9 @@ inline Peak deciding_peak(std::span<const Sample> samples) {
     return best;
 }
 
-// Spacing of the three samples that refine a peak [rad].  A peak that moves by more than `refined_within` of it is
-// refined again, three times in all.  (With one refinement, 14 of 5,000 random points moved, one by 0.24 % of static load.)
+// Spacing of the three samples that refine a peak [rad].  A peak that moves by more than `refined_within` times this
+// spacing is refined again, up to three times in all.  (With one refinement, the loads changed at 14 of 5,000 random
+// points, at one of them by 0.24 % of the static load.)
 inline constexpr double refined_by = 0.012, refined_within = 0.9;
 
 // Refine the peaks in the lanes `open`, from three samples around each peak.  A lane remains open until its peak stays
@@ -380,8 +381,8 @@ void refine_peaks(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths&
 
 // Offsets from the stall angle [rad], at which the residual is sampled to find a hump.  `stall_spread` multiplies them.
 inline constexpr double near_offsets[] = {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15};
-// Further offsets in deep stall: `past_offsets` for a stalled blade (without them, more nodes are scanned), and
-// `bent_offsets` for any blade whose residual may bend again (with fewer, thrust erred by 4 % of static thrust).
+// Further offsets in deep stall.  `past_offsets` are for a stalled blade; without them, the search scans more nodes.
+// `bent_offsets` are for any blade whose residual may bend again; with fewer, thrust erred by 4 % of static thrust.
 inline constexpr double past_offsets[] = {0.25, 0.45, 0.85}, bent_offsets[] = {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85};
 
 // The factor on `near_offsets`, at most 1.  It is larger in forward flight: some azimuths stall before others, so the
@@ -537,7 +538,7 @@ std::optional<Edge> newton_fold(const Annuli<R>& of, const Hump& low, const Hump
 }
 
 // Whether this fold belongs to `above`, the hump with a positive height.  Newton's method may converge to another hump.
-// (Without this test, 9 of 10,000 random points moved by up to 3e-4 of the static load.)
+// (Without this test, loads changed at 9 of 10,000 random points, by up to 3e-4 of the static load.)
 template <class R> bool same_hump(const Annuli<R>& of, const Edge& fold, const Hump& above, double side) {
     const auto at = of.station(broadcast(fold.radius));
     const Lanes angle = angle_at(at, of.rms_speed(at), broadcast(of.flow.v_axial + fold.inflow));
@@ -593,7 +594,7 @@ template <class R> Edge fold_between(const Annuli<R>& of, Hump low, Hump high, d
         if (fold && (narrowing >= 6 || same_hump(of, *fold, low.height > 0.0 ? low : high, side))) return *fold;
         // At 20,000 random oblique points in climb, there was no top between two shoulders.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
-        // At first, the interpolated fold is close.  (With 0.25 always, 3 of 10,000 random points moved by 2e-4.)
+        // At first, the interpolated fold is close.  (With 0.25 always, loads changed at 3 of 10,000 points by 2e-4.)
         narrow(of, low, high, share(), narrowing < 2 ? 0.05 : 0.25, side);
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }

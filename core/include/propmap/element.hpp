@@ -54,8 +54,8 @@ auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow
 }
 
 // Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with the same inflow at all azimuths.
-// The flow at the next azimuth is computed before the forces at this one, so that the latency of its roots and
-// divisions overlaps with other work.  This saves a third of the time of an element.
+// The flow at the next azimuth is computed before the forces at this azimuth.  The latency of its roots and divisions
+// then overlaps with other work, which saves a third of the time of an element.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     auto next = element_flow(at, flow, inflow, psi.sine[0]);
@@ -175,7 +175,8 @@ template <class R, class St, class F>
     return sums;
 }
 
-// Loads divided by density, unless a comment states units.  Multiplied by rho: N/m and N (annulus), N and N m (rotor).
+// Loads divided by density, unless a comment states units.  Multiplied by the density, loads of an annulus are in N/m
+// and N, and loads of a rotor in N and N m.
 template <class T> struct Loads {
     T thrust{}, drag{}, torque{};  // the other three loads are not in the paper
     T roll_moment{};   // about the in-plane velocity, positive where the advancing side is lifted

@@ -29,7 +29,7 @@ struct Result {  // at an operating point
     double blade_drag = 0.0;  // drag [N] of the bare blades, without `drag_factor` and mount
 };
 
-// Largest last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
+// Limit of the last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
 // step to first order; the error, of second order, is at most 3e-8 of the static loads.
 inline constexpr double harmonics_close = 2e-5;
 
@@ -61,8 +61,9 @@ template <template <class> class LawOf> class RotorSolver {
     using Modeled = Rotor<double, LawOf>;
 
     RotorSolver(Modeled rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Tails are divided by the static loads over Omega^2.  Static loads are small if the blade stalls at rest, so
-        // mean coefficients are assumed to be at least 0.1 (lift) and 0.01 (force against the rotation).
+        // Tails are divided by the static loads over Omega^2.  If the blade stalls in static
+        // operation, static loads are small.  The solver therefore assumes mean coefficients of at least 0.1 (lift) and
+        // 0.01 (force against the rotation).
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};

@@ -148,8 +148,8 @@ template <class S> struct GrowingLaw : BlendedLaw<S> {
     }
 };
 
-// The numbers of a tabulated law.  Each interval of angles has, at each Reynolds number, four cubics, lowest power
-// first: of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re).
+// The numbers of a tabulated law.  For each interval of angles and each Reynolds number, the table contains
+// cubics of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re), lowest power first.
 struct SectionTable {
     std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
     std::vector<int> first;      // for each of many equal steps around the circle: the interval at its start
@@ -281,8 +281,8 @@ template <class S> struct TabulatedLaw {
     template <class R> double lift_growth_at(const R&) const { return 1.0; }
     template <class R> double drag_growth_at(const R&) const { return 1.0; }
 
-    // C_L (which = 0) or C_D (which = 8) at the angle `along` [rad] past the start of interval k of angles, and at the
-    // fraction t of interval r of ln(Re).
+    // C_L (which = 0) or C_D (which = 8) in interval k of angles and interval r of ln(Re).  `along` is the angle [rad]
+    // past the start of interval k, and t the fraction of interval r.
     Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
         const int intervals = int(table->knots.size()) - 1;
         const auto cubic = [&](int row, int at) {
