@@ -1,6 +1,6 @@
 """Loads of a rotor that turns backward: the trailing edges of the blades meet the air first.
 
-Half a turn about the in-plane velocity turns such a rotor upside down.  The upside-down rotor turns
+Half a turn about the in-plane velocity maps such a rotor to an upside-down rotor, which turns
 forward, with a twist larger by pi, in an axial flow of opposite sign.  The core solves this rotor.
 
 A section law describes flow from the trailing edge as separated flow around a flat plate along the
@@ -34,8 +34,8 @@ assumption, because no measurement of a propeller that turns backward was found.
 def more_twist(model: Model) -> tuple[float, float]:
     """Return the additional twist [rad] of the upside-down blades, with and without camber.
 
-    If the section law has a period of half a turn, the half turn has no effect and is omitted: the
-    core then uses the same nodes in both directions, and the loads are equal except for rounding.
+    If the section law has a period of half a turn, the half turn has no effect and is omitted.  The
+    core then uses the same nodes in both directions.  The loads are equal except for rounding.
     """
     law, half = model.airfoil, np.pi
     if isinstance(law, Airfoil):

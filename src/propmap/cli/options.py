@@ -82,7 +82,7 @@ ModelOption = Annotated[
     ModelName | None,
     Option(
         "--model",
-        help="Physical model: paper is exactly the model of Gill & D'Andrea 2017; recommended adds "
+        help="Physical model. paper: exactly the model of Gill & D'Andrea 2017. recommended: also "
         "an inflow that varies around the disk (pitt-peters) and spanwise skin friction "
         "(radial-friction). Default: the model used to identify the section constants, or "
         "recommended if that model is not recorded.",
@@ -102,8 +102,8 @@ AirfoilOption = Annotated[
     Option(
         "--airfoil",
         metavar="NAME|FILE",
-        help="Section law: a name that `propmap airfoils` lists, a fit or parameter set (.toml), "
-        "or a section table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: "
+        help="Section law: a name that `propmap airfoils` lists, or a file: a fit or parameter set "
+        "(.toml), or a table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: "
         "constants identified for the propeller, or else constants predicted from its family or "
         "from all propellers.",
     ),

@@ -5,7 +5,8 @@ convergence; each pass linearizes the force by regression over the band of the l
 Horizontal wind is a random walk; vertical wind varies about zero.  The error along each axis of the
 vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
 Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
-are the same for all samples.  They widen the bands; only the mean vertical wind corrects them.
+are the same for all samples.  They widen the bands.  Only the prior of the mean vertical wind
+reduces them.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/
 VERTICAL = 5.0  # correlation time of the vertical wind [s]: height of 25 m / wind of 5 m/s
 UP = 0.2  # prior standard deviation of the mean vertical wind [m/s]: 2 deg of slope at 5 m/s
 USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
-"""Prior means and standard deviations of the logarithms of the intensity of the horizontal walk
-[m^2/s^3], of the variance of the vertical wind [m^2/s^2], and of the correlation times of the
+"""Prior means and standard deviations of the logarithms of five quantities: intensity of the
+horizontal walk [m^2/s^3], variance of the vertical wind [m^2/s^2], and correlation times of the
 errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
 0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
@@ -47,8 +48,8 @@ WHOLE_STEPS = 3  # regressions after which the steps become smaller
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # at most this many regressions and samples tune scales
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
-"""Residuals relative to their expected size [-], and mean vertical wind with the parameters of the
-fit [m/s], above which a remark asks whether the vehicle is the vehicle of the fit."""
+"""Limits above which a remark asks whether the vehicle is the vehicle of the fit: residuals over
+their expected size [-], and mean vertical wind with the parameters of the fit [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +117,7 @@ class WindEstimate:
 
     @property
     def source(self) -> tuple[float, float, float, float]:
-        """Mean horizontal speed and half width of its 95 % band [m/s]; direction from which the
+        """Mean horizontal speed and half width of its 95 % band [m/s].  Direction from which the
         mean wind blows, clockwise from north, and half width of its 95 % band [rad].  The direction
         is NaN if the band of the speed contains zero."""
         speed = float(np.hypot(*self.mean[:2]))
@@ -243,8 +244,8 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
 def _regression(
     force: Callable[[Floats], Floats], wind: Floats, spread: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Regress ``force`` linearly over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3) and
-    return mean (n, 3), slopes (n, 3, 3) and variances (n, 3) that the slopes do not explain.
+    """Regress ``force`` linearly over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3).
+    Return mean (n, 3), slopes (n, 3, 3) and variances (n, 3) that the slopes do not explain.
 
     This is the posterior linearization of Garcia-Fernandez, Svensson and Sarkka (IEEE Transactions
     on Automatic Control 62, 2017, page 2056).
@@ -308,7 +309,7 @@ class _Balance(NamedTuple):
 
     @classmethod
     def of(cls, time: Floats, by_wind: Floats, target: Floats) -> _Balance:
-        """Return the balances; zeros remove samples without rotor loads from the estimate."""
+        """Return the balances; samples without rotor loads become zeros without any effect."""
         both = np.concatenate([by_wind, target], axis=-1)
         kept = np.isfinite(both).all(axis=(1, 2), keepdims=True)
         slopes = np.zeros((time.size, 3, 9))
