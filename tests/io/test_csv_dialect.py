@@ -83,7 +83,8 @@ def test_comments_and_numbers_of_lines() -> None:
 
 
 def test_blank_file() -> None:
-    assert read_csv_table(["", ";;;", ""], COLUMNS, "points.csv") is None
+    for lines in (["", ";;;", ""], ['"",""'], ["\x0c,"]):
+        assert read_csv_table(lines, COLUMNS, "points.csv") is None, lines
 
 
 REFUSED = {

@@ -74,7 +74,10 @@ def read_csv_table(
     if first is None:
         return None
     separator = separator_of(first, columns)
-    (line, header), *rows = _rows(body, separator, where)
+    filled = _rows(body, separator, where)
+    if not filled:  # for example, only quotes
+        return None
+    (line, header), *rows = filled
     while not header[-1]:
         header.pop()
     for number, row in rows:
