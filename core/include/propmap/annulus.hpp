@@ -204,8 +204,8 @@ struct Samples {
     }
 };
 
-// Choose the first inflows of a scan: equally spaced inflow angles, closer angles around both stall angles, and special
-// inflows.  The residual bends most near stall.  No root is outside the outermost inflows.
+// Choose the first inflows of a scan: equally spaced inflow angles, closer angles around both stall angles, zero,
+// -V cos(beta), the turning points of (10), and far inflows.  The residual bends most near stall.  No root is outside the outermost inflows.
 template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>& at, double speed, Samples& samples) {
     const auto& f = of.flow;
     const double whole = speed + std::fabs(f.v_axial), line = radians(at.line)[0];
@@ -545,7 +545,8 @@ template <class R> bool same_hump(const Annuli<R>& of, const Edge& fold, const H
     return !above.top || std::fabs(angle[0] - of.stall_angle(at, side)[0] - above.past_stall) <= 0.03;
 }
 
-// Shorten the interval between humps with heights of opposite signs: compute humps at four radii in `share` +- `spread`.
+// Shorten the interval between humps with heights of opposite signs.  Compute humps at four radii, at the fractions
+// `share` - `spread` to `share` + `spread` of the interval.
 template <class R> void narrow(const Annuli<R>& of, Hump& low, Hump& high, double share, double spread, double side) {
     constexpr int looks = 4;
     Hump inside[width];

@@ -10,7 +10,7 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (quadrature.hpp), 960, and two per panel
+inline constexpr int most_nodes = 1100;  // 960, the largest number in `Accuracy` (quadrature.hpp), plus two nodes per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
 inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, equal on all processors
 static_assert(width % block == 0);
@@ -243,8 +243,8 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
         const double least = crosses ? 0.02 : 1e-6 * tip / gap;
         if (t[e] > least && t[e] < 1.0 - least) return t[e];
     }
-    // A top and a shoulder may be different humps: the height then jumps somewhere between the two radii, and its rise
-    // differs from that by the slopes.  (Without this rule, loads changed at 2 of 5,000 random points by 3e-4.)
+    // A top and a shoulder may be different humps.  The height then jumps between the two radii, and the difference of
+    // the heights differs from the difference that the slopes predict.  (Without this rule, loads changed at 2 of 5,000 random points by 3e-4.)
     const double jump = b.height - a.height - 0.5 * gap * (a.slope + b.slope);
     if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < 4.0 * std::fabs(jump)) return 0.5;
     return (a.share < touching_height || b.share < touching_height) && gap > 0.012 * tip ? 0.5 : 0.0;
@@ -330,8 +330,8 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow, stall covers most azimuths: the stall angle predicts only a single root, and not on the
-    // windmill branch.  (With the windmill branch, 3 of 100,000 random points erred by up to 0.4 % of the static load.)
+    // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and no
+    // forecast on the windmill branch.  (With the windmill branch, 3 of 100,000 random points erred by up to 0.4 % of the static load.)
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
 }

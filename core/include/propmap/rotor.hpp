@@ -130,7 +130,7 @@ template <template <class> class LawOf> class RotorSolver {
         place_nodes(rotor_, 0.0, s.disk);
         std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
         s.disk.several = s.windmill = false;
-        // A trace of axial flow gives the wake of a rotor at rest a direction.
+        // A very small axial flow defines the direction of the wake of a rotor at rest.
         s.mean = {at.omega, inflow + 1e3 * speed_floor, 0.0, inflow};
         s.result.loads.thrust = inflow;
         set_status(s, false);

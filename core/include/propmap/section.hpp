@@ -158,7 +158,8 @@ struct SectionTable {
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
     double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
-    // Assumed for every table [rad].  A smaller value means more azimuths and a stricter limit on the error, rotor.hpp.
+    // Stall width, assumed for every table [rad].  A smaller width requires more azimuths and a stricter limit on the
+    // error (rotor.hpp).
     double stall_width = 0.014;
 };
 
