@@ -2,6 +2,7 @@
 
 Usage: python -m tools.dense_descents FOUND.jsonl [--count 200000] [--each 3 | --by-fine]
        python -m tools.dense_descents FOUND.jsonl --advance-ratio 4 --count 20000
+       python -m tools.dense_descents FOUND.jsonl --other-laws --count 100000
        python -m tools.dense_descents --point NAME OMEGA SPEED BETA [--paper]
 
 ``tools/dense_descents.cpp``, compiled here, shares the equations of the core, which
@@ -28,6 +29,9 @@ Random points and errors:
   the catalogue.  One in four has the paper's model, without corrections.
 - Tip speeds are 20 to 200 m/s.  Airspeeds reach 4 static inflows (half of the points) or the tip
   speed.  beta is 90 to 180 deg, with one point in 25 at each end.
+- ``--other-laws`` replaces the propellers by 100 rotors with random section laws on ten blades
+  (``tests/other_laws.py``).  beta is 0 to 180 deg.  A rotor that is stalled at rest has the static
+  loads of ``error_scales_of`` there.
 - Errors are relative to static thrust, static torque or, for the two moments, static thrust times
   R, at the same rotational speed.  Beyond an advance ratio of 1 these are multiplied by
   1 + (V/(Omega R))^2.
@@ -57,6 +61,7 @@ from propmap.catalogue import names
 from propmap.loads import LOADS
 from propmap.rotor import core_corrections
 from propmap.typing import Floats
+from tests.other_laws import error_scales_of, other_rotors
 
 HERE = Path(__file__).resolve().parent
 FLAGS = (
@@ -152,21 +157,29 @@ def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
     return at[-1]
 
 
-catalogue_model = functools.cache(pm.catalogue_model)
+OTHERS = {f"law-{k}": one for k, one in enumerate(other_rotors(100, SEED))}
+
+
+@functools.cache
+def model_of(name: str) -> pm.Model:
+    """Return the recommended model of a catalogue propeller, or a rotor of ``OTHERS``."""
+    if one := OTHERS.get(name):
+        return pm.Model(one.propeller(), one.airfoil)
+    return pm.catalogue_model(name)
 
 
 @functools.cache
 def rotor(name: str, paper: bool, accuracy: str = "standard") -> pm.Rotor:
-    """Return a catalogue propeller with the recommended model or the paper's."""
-    model = catalogue_model(name)
+    """Return a propeller with the recommended model or the paper's."""
+    model = model_of(name)
     return pm.Rotor(replace(model, corrections=()) if paper else model, accuracy=accuracy)
 
 
-def sample(index: int, advance: float = 0.0) -> Point:
+def sample(index: int, advance: float = 0.0, others: bool = False) -> Point:
     """Return random point ``index``, with V/(Omega R) above ``advance`` if that is positive."""
     random = np.random.default_rng([SEED, index])
     share, which = random.uniform(size=2)
-    pool = FAVORED if share < 0.5 else tuple(names())
+    pool = tuple(OTHERS) if others else FAVORED if share < 0.5 else tuple(names())
     name, paper = pool[int(which * len(pool))], bool(random.uniform() < 0.25)
     one = rotor(name, paper)
     tip_speed = random.uniform(20.0, 200.0)
@@ -174,7 +187,9 @@ def sample(index: int, advance: float = 0.0) -> Point:
     slow = bool(random.uniform() < 0.5)
     most = 4.0 * float(one.hover_inflow(omega)) if slow else tip_speed
     speed = random.uniform(0.0, most)
-    beta = float(np.clip(random.uniform(86.0, 184.0), 90.0, 180.0))
+    beta = float(
+        np.clip(random.uniform(0.0 if others else 86.0, 184.0), 0.0 if others else 90.0, 180.0)
+    )
     if advance > 0.0:
         # Fast flow past a slow rotor, down to one that is nearly at rest.
         speed, omega = 0.5 * tip_speed, 0.5 * omega / (advance * 10.0 ** (3.0 * random.uniform()))
@@ -217,6 +232,9 @@ def differences(points: list[Point], looks: tuple[Look, ...]) -> list[dict[str, 
         at_rest = motion[open_] * [1.0, 0.0, 0.0]
         scale = np.abs(loads_by(look, points[0], at_rest))
         thrust, torque = scale[:, NAMES.index("thrust")], scale[:, NAMES.index("torque")]
+        if points[0].name in OTHERS:
+            static = error_scales_of(one.model, motion[open_, 0])
+            thrust, torque = static["thrust"], static["torque"]
         per = {"torque": torque, "roll_moment": thrust * radius, "pitch_moment": thrust * radius}
         unit = np.stack([per.get(name, thrust) for name in NAMES], axis=-1)
         off = np.abs(core[open_] - loads_by(look, points[0], motion[open_]))
@@ -232,9 +250,11 @@ def differences(points: list[Point], looks: tuple[Look, ...]) -> list[dict[str, 
     ]
 
 
-def chunk(first: int, count: int, looks: tuple[Look, ...], advance: float) -> dict[str, Any]:
+def chunk(
+    first: int, count: int, looks: tuple[Look, ...], advance: float, others: bool = False
+) -> dict[str, Any]:
     """Compare ``count`` random points from ``first`` on."""
-    points = {k: sample(k, advance) for k in range(first, first + count)}
+    points = {k: sample(k, advance, others) for k in range(first, first + count)}
     by_rotor: dict[tuple[str, bool], list[int]] = {}
     for k, point in points.items():
         by_rotor.setdefault(point[:2], []).append(k)
@@ -263,6 +283,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--each", type=int, default=0, help="use this solution alone (1 to 3)")
     parser.add_argument("--by-fine", action="store_true", help="use accuracy fine for the first")
     parser.add_argument("--advance-ratio", type=float, default=0.0)
+    parser.add_argument("--other-laws", action="store_true", help="use random section laws")
     parser.add_argument("--point", nargs=4)
     parser.add_argument("--paper", action="store_true")
     given = parser.parse_args(arguments)
@@ -279,7 +300,7 @@ def main(arguments: list[str]) -> None:
             if first in have:
                 continue
             count = min(CHUNK, given.first + given.count - first)
-            done.append(chunk(first, count, looks, given.advance_ratio))
+            done.append(chunk(first, count, looks, given.advance_ratio, given.other_laws))
             print(json.dumps(done[-1]), file=file, flush=True)
     summary(done)
 
