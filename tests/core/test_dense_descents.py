@@ -28,8 +28,12 @@ ONCE_WRONG = (
     Point("uiuc-mit-5x4", True, 1224.6024, 12.144173, 122.36),
     Point("uiuc-apcsp-11x4", False, 429.491768, 2.0795635, 87.13003),
     Point("uiuc-apcsp-11x4", True, 429.491768, 2.0795635, 87.13003),
+    # The root of the blade stalls at negative angles; beyond its middle, the angles are positive.
+    Point("law-27", False, 2953.265781, 53.354085, 2.129995),
+    # Attached and stalled azimuths alternate, and a scan did not find the attached root.
+    Point("law-50", False, 1922.756872, 145.235775, 81.730947),
 )
-"""Points whose loads were off by up to 0.9 % of the static ones, silently."""
+"""Points whose loads once had errors of up to 1.2 % of the static loads, without a status."""
 
 
 def test_brute_force_is_the_reference() -> None:

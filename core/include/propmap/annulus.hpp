@@ -204,6 +204,13 @@ struct Samples {
     }
 };
 
+// The factor on the offsets of samples from the stall angle, at most 1.  It is larger in forward flight: some azimuths
+// stall before others, so the annulus stalls over a wider range of mean angles.
+template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
+    const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
+    return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
+}
+
 // Choose the first inflows of a scan: equally spaced inflow angles, closer angles around both stall angles, zero,
 // -V cos(beta), the turning points of (10), and far inflows.  The residual bends most near stall.  No root is outside the outermost inflows.
 template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>& at, double speed, Samples& samples) {
@@ -215,8 +222,9 @@ template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>&
     for (int k = -7; k <= 7; ++k) add_angle(0.2 * k);
     for (double side : {1.0, -1.0}) {
         const double stall = of.stall_angle(at, side)[0];
+        const double spread = stall_spread(of, at, broadcast(stall))[0];
         for (double offset : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
-            add_angle(line - (stall + side * of.stall_scale() * offset));
+            add_angle(line - (stall + side * spread * offset));
     }
     const auto turn = turning_points(f.v_axial, f.v_inplane);
     for (double v : {0.0, -f.v_axial, turn.first, turn.second}) add(v);  // no air passes the disk at v_i = -V cos(beta)
@@ -384,13 +392,6 @@ inline constexpr double near_offsets[] = {-0.2, -0.14, -0.095, -0.06, -0.03, -0.
 // Further offsets in deep stall.  `past_offsets` are for a stalled blade; without them, the search scans more nodes.
 // `bent_offsets` are for any blade whose residual may bend again; with fewer, thrust erred by 4 % of static thrust.
 inline constexpr double past_offsets[] = {0.25, 0.45, 0.85}, bent_offsets[] = {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85};
-
-// The factor on `near_offsets`, at most 1.  It is larger in forward flight: some azimuths stall before others, so the
-// annulus stalls over a wider range of mean angles.
-template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
-    const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
-    return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
-}
 
 // Samples of the residual at one radius per lane, in order of decreasing inflow.
 struct LaneSamples {

@@ -255,10 +255,14 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
 template <class R>
 void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
-    // The stall angle is assumed to have the sign of the angle of attack without inflow at 60 % of the blade's length.
-    const double out = root + 0.6 * (tip - root);
-    const auto& line = of.station(broadcast(out)).line;
-    folds.side = line.sine[0] * of.flow.omega * out - line.cosine[0] * of.flow.v_axial < 0.0 ? -1.0 : 1.0;
+    // The blade is assumed to stall at the sign of the angle of attack that is largest relative to stall, without inflow.
+    double positive = 0.0, negative = 0.0;
+    for (const auto& at : disk.at) {
+        const Lanes angle = angle_at(at, of.flow.omega * at.radius, broadcast(of.flow.v_axial));
+        const Lanes up = angle / of.stall_angle(at, 1.0), down = angle / of.stall_angle(at, -1.0);
+        for (int k = 0; k < width; ++k) positive = std::max(positive, up[k]), negative = std::max(negative, down[k]);
+    }
+    folds.side = negative > positive ? -1.0 : 1.0;
     folds.humps.clear(), folds.count = 0;
     // Heights have derivatives, so every second node is sufficient, or every fourth if panels do not follow stall.
     const int every = follow ? 2 : 4;
