@@ -81,9 +81,8 @@ def test_twenty_thousand_points_meet_what_is_promised_or_say_so() -> None:
     ]
     error, coarse = np.concatenate(parts, axis=1)
     assert error.size == 20_000
-    # What lies between the nodes leaves no tail, see "Known limits" in docs/theory.md.
     unsaid = error[~(error < PROMISED) & (coarse == 0)]
-    assert unsaid.size <= 2 and unsaid.max(initial=0.0) < 3e-3, unsaid
+    assert unsaid.size == 0, unsaid
     assert coarse.mean() < COARSE_AT_MOST
 
 
