@@ -581,8 +581,8 @@ def flight_log(
 
 
 def _driven(recording: Recording) -> tuple[Recording, Signal]:
-    """Return a recording with commands times supply after the default lag as ``rotor_speed``, and
-    their derivatives with respect to the lag."""
+    """Return a recording whose ``rotor_speed`` is the command times the supply, after the default
+    lag, and the derivatives of this product with respect to the lag."""
     signal, supply = recording.rotor_speed, recording.supply
     drive = signal.values
     if supply is not None:
