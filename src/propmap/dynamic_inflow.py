@@ -220,7 +220,7 @@ class DynamicInflow:
         omega: ArrayLike,
         velocity: ArrayLike,
     ) -> tuple[Floats, Floats]:
-        """Return states after ``dt``, rates for ``dt`` ``...``, steady states for ``state`` ``...``.
+        """Return states after ``dt``, or rates if ``dt`` is Ellipsis, or steady states if both are.
 
         Also return rows (..., 17) of force, moment, and the core's results for ``Loads``.
         """

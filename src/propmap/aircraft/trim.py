@@ -225,7 +225,7 @@ class Aircraft:
         rough = found.residual > ACCEPTED
         slow = np.zeros_like(lost)
         if self.vehicle.wing is not None and self._lost == NOT_FOUND:
-            # Stall precedes the limits of forward-pulling rotors, but follows those of lifting rotors.
+            # Stall overrides the limits of forward-pulling rotors, but not of lifting rotors.
             gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
             slow = gone & stalled(self.vehicle, self.vehicle.wing, flight)
         names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
