@@ -66,8 +66,8 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Render a template with ``values``, the ``table``, the propeller's identifier ``p``, in
-    capitals ``P``, ``loads``, and the provenance as ``lines``."""
+    """Render a template with ``values``, the ``table``, ``loads``, the provenance as ``lines``, and
+    the propeller's identifier as ``p`` and, in capitals, ``P``."""
     name, lines = identifier(table), provenance(table)
     common = {"table": table, "loads": LOADS, "p": name, "P": name.upper(), "lines": lines}
     return filled(template, **common, **values)
