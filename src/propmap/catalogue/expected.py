@@ -651,8 +651,8 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
     values, vectors = np.linalg.eigh(both - before)
     # Rounding may cause small negative eigenvalues in directions that the data do not determine.
     precision = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    # Centered at the constants of the fit, which the prior affected.  Constants fitted to the data
-    # alone can be far outside the range in which the loads are linear.
+    # Center the likelihood at the constants of the fit, which the prior affected.  Constants fitted
+    # to the data alone can be far outside the range in which the loads are linear.
     return Member(one.family, one.tested, one.size, precision, precision @ place)
 
 
@@ -662,7 +662,7 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
-    # Outside the range of the data, the trend may end or continue: one standard deviation.
+    # Beyond the data the trend may end or continue: the difference is one standard deviation.
     beyond = population.trend @ covariates(size) - population.shift(size)
     joint[-own.size :, -own.size :] += np.outer(beyond, beyond)
     if not members:
