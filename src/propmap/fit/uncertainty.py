@@ -15,7 +15,7 @@ from propmap.typing import Floats
 AT_BOUND = 1e-6  # largest distance from a bound, in spreads, at which the bound holds a parameter
 
 HELD_BY_PRIOR = 0.7  # standard deviation over that of the prior, above which the prior dominates
-LARGEST_STRETCH = 4.0  # largest factor on one side of an interval
+LARGEST_STRETCH = 4.0  # largest factor that widens one side of an interval
 
 NEGLIGIBLE = 1e-6
 """Singular value over the largest, below which data do not determine a direction.  Its square has
@@ -167,8 +167,8 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` if the
-    sum of squares, linearized again at an end, rises by less than the first linearization gives."""
+    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` where
+    the sum of squares, linearized at the end, is below its first linearization."""
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
