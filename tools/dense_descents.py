@@ -15,12 +15,12 @@ equations: the windmill branch has another momentum thrust, the vortex ring a me
 first one solves each point; the second one solves it if the core differs by more than 0.05 % of the
 static loads, the third one if the core differs from the second by more than 0.09 %.  An error above
 0.1 % is missed only if the first solution errs by more than 0.05 %, or the second by more than
-0.01 %, in the same direction as the core.  The cause can be a stretch of blade narrower than a
-400th of it, or a rise of the residual between trial inflows 0.008 rad apart.
+0.01 %, in the same direction as the core.  The cause can be a part of the blade narrower than 1/400
+of it, or a rise of the residual between trial inflows 0.008 rad apart.
 
 ``--each 3`` uses the third solution alone and misses no such error, on a smaller sample.
 ``--by-fine`` replaces the first one by accuracy ``fine`` of the core, in a tenth of the time, and
-misses errors of both accuracies.
+misses errors common to both accuracies.
 
 Random points and errors:
 
@@ -29,7 +29,7 @@ Random points and errors:
 - Tip speeds are 20 to 200 m/s.  Airspeeds reach 4 static inflows (half of the points) or the tip
   speed.  beta is 90 to 180 deg, with one point in 25 at each end.
 - Errors are relative to static thrust, static torque or, for the two moments, static thrust times
-  R, at the same rotational speed.  Beyond an advance ratio of 1 these are multiplied by
+  R, at the same rotational speed.  Beyond an advance ratio of 1, these references are multiplied by
   1 + (V/(Omega R))^2.
 
 FOUND.jsonl gets a line per 500 points.  Points that it contains are not computed again.
