@@ -167,7 +167,7 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 #
 # Multirotor propellers were not measured in the UIUC wind tunnel.  On stands, their thrust and
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
-# of measured to predicted loads hardly depends on the size and the number of blades.  The prior of
+# of measured to predicted loads depends little on the size and the number of blades.  The prior of
 # the constants is shifted and narrowed to give static loads the distribution measured on stands.
 # held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
@@ -416,8 +416,8 @@ def _of_constants(prior: PopulationPrior) -> SectionCovariance:
 # -------------------------------------------------------------------------------------------------
 # Mean blade of one series of propellers, or of several.
 #
-# Within a series, chord over radius, and twist minus the screw angle of the labeled pitch, hardly
-# depend on the size.  Their means over the measured blades of a series, or over all series with
+# Within a series, chord over radius, and twist minus the screw angle of the labeled pitch, depend
+# little on the size.  Their means over the measured blades of a series, or over all series with
 # equal weight, define a blade of any size.
 
 SHARES = np.linspace(0.15, 1.0, 18)

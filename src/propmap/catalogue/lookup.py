@@ -46,8 +46,8 @@ def propeller(
     1. a name in the catalogue;
     2. a file;
     3. the catalogue propeller of a designation with manufacturer or series;
-    4. the mean blade of the named series; of all series for an unknown manufacturer, or for a
-       designation that contains only the size.
+    4. the mean blade of the named series, or of all series if the manufacturer is unknown or the
+       designation contains only the size.
 
     Parameters
     ----------

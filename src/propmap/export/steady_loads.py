@@ -201,7 +201,7 @@ def check_vehicle(vehicle: Vehicle) -> None:
 # The drag model of autopilot Kalman filters: linear rotor drag and quadratic body drag.
 #
 # The specific force along a body axis is m v + 1/2 rho b q, where v is the component of the
-# velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
+# velocity along the axis, and q is a square of the velocity.  Both axes have the same m; 1/b is the
 # ballistic coefficient of the axis.
 
 CLOSE = 0.1  # maximum relative error of the force at which the model counts as valid

@@ -135,7 +135,7 @@ def _rows(
     """Return a row for each ``measured`` load (n, L).
 
     The scale of forces is the weight.  The scale of moments is the weight times a length: the mean
-    distance of the hubs from the center of mass, or the radius about z and for a distance of zero.
+    distance of the hubs from the center of mass or, about z and for a distance of zero, the radius.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 

@@ -323,10 +323,10 @@ def block_errors(
     """Return the cluster-robust covariance (P, P) of the gradient of half the sum of squares, and
     Satterthwaite's degrees of freedom (P,).
 
-    ``slopes`` are (M, P), and ``group`` numbers the segments.  The residuals of each segment are
-    those of a fit without it (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169),
-    because with few segments the residuals of one fit are too small.  Some errors last longer than
-    a segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
+    ``slopes`` are (M, P), and ``group`` numbers the segments.  Each segment has the residuals of a
+    fit without this segment (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169).
+    With few segments, the residuals of one fit are too small.  Some errors last longer than a
+    segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
     adds to the variance.  ``whole`` is the information of data and priors, ``by_priors`` the part
     of priors in the covariance.
     """

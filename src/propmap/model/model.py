@@ -183,7 +183,7 @@ class Model:
         low, high : float
             Smallest and largest Reynolds number over all points.  At each point the range contains
             98 % of the integral of dynamic pressure times chord.  The induced velocity, which
-            hardly changes Re, is neglected.
+            changes Re little, is neglected.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
         y = np.linspace(*self.span, 61)[:, None]

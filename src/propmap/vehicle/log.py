@@ -499,7 +499,7 @@ LONGEST_GAP = 0.25  # longest time [s] between two samples across which a signal
 FASTER = 1.5  # a signal with this many samples per common time or more is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
 """Cut-off of this low-pass in cycles per common time, and order of its Butterworth filter, which is
-applied twice: it removes vibrations that the common times would alias to lower frequencies."""
+applied twice.  It removes vibrations that the common times would alias to lower frequencies."""
 
 
 def flight_log(

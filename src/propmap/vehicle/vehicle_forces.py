@@ -126,7 +126,7 @@ class VehicleForces:
         Raises
         ------
         InputError
-            For other shapes, negative rotor speeds, and values that are not finite.
+            For other shapes, non-finite values, and negative speeds with wakes or unsuitable loads.
         """
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
