@@ -12,11 +12,11 @@ are solved by Newton's method with differences.  (The wake states of descent bel
 equations: the windmill branch has another momentum thrust, the vortex ring a measured inflow.)
 
 ``LOOKS`` are three solutions of increasing fineness, so that 200,000 points can be computed.  The
-first one solves each point; the second one solves it if the core differs by more than 0.05 % of the
-static loads, the third one if the core differs from the second by more than 0.09 %.  An error above
-0.1 % is missed only if the first solution errs by more than 0.05 %, or the second by more than
-0.01 %, in the same direction as the core.  The cause can be a part of the blade narrower than 1/400
-of it, or a rise of the residual between trial inflows 0.008 rad apart.
+first one solves each point.  The second one solves it if the core differs by more than 0.05 % of
+the static loads, and the third one if the core differs from the second by more than 0.09 %.  An
+error above 0.1 % is missed only if the first solution errs by more than 0.05 %, or the second by
+more than 0.01 %, in the same direction as the core.  The cause can be a part of the blade narrower
+than 1/400 of it, or a rise of the residual between trial inflows 0.008 rad apart.
 
 ``--each 3`` uses the third solution alone and misses no such error, on a smaller sample.
 ``--by-fine`` replaces the first one by accuracy ``fine`` of the core, in a tenth of the time, and
