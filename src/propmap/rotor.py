@@ -267,9 +267,9 @@ class Rotor:
         """Return the thrust of fully attached blades: a fast initial estimate.
 
         Each annulus has the Glauert inflow (10) for the lift at small angles of attack, without
-        drag, tip loss or stall.  Outside descent, this inflow is within one percent of the full
-        solution for ordinary flight.  In descent, momentum theory has several solutions or none.
-        The search starts above the largest one.  Without a solution, the result is not reliable.
+        drag, tip loss or stall.  Partly stalled blades have less thrust in the full solution, in
+        hover by up to 40 %.  In descent, momentum theory has several solutions or none.  The search
+        starts above the largest one.  Without a solution, the result is not reliable.
 
         Parameters
         ----------
