@@ -52,7 +52,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 
 def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
-    """Return ``given`` values as arrays; each value comes with its last length, or 0 for any."""
+    """Return ``given`` values, each with the length of its last axis (0 for any), as arrays."""
     found = []
     for name, (x, count) in given.items():
         if jnp.iscomplexobj(x):

@@ -131,7 +131,7 @@ class Aircraft:
             Bank of a coordinated level turn, positive to the right [rad].  Speed, climb and bank
             broadcast to (n,).
         margin : bool
-            Whether to compute the thrust margin, which triples the time.
+            Whether to compute the thrust margin, which takes up to three times as long.
         near : SteadyStates, optional
             Known states at increasing speeds.  The initial values of the solver are interpolated
             from them, which saves time.

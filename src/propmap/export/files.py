@@ -199,7 +199,7 @@ LARGEST_MU = 0.25
 """Advance ratios, along the axis and in the disk plane, for which the simple models are intended:
 climb and slow descent.  In faster descent their errors triple."""
 
-SPEEDS = f"axial speed from {CLIMB[0]:g} to {CLIMB[1]:g}, in-plane speed up to {LARGEST_MU:g}"
+SPEEDS = f"axial speeds from {CLIMB[0]:g} to {CLIMB[1]:g}, in-plane speeds up to {LARGEST_MU:g}"
 SIMPLE = f"{SPEEDS} of the tip speed, no vortex ring"
 
 
