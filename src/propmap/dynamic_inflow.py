@@ -156,8 +156,7 @@ class DynamicInflow:
     ) -> tuple[Wrench, Floats]:
         """Return the wrench before a time step and the state (..., size) [m/s] after the step.
 
-        A single evaluation of the blade elements yields both results.  ``advance`` is
-        almost as fast as ``step``.
+        A single evaluation of the blade elements yields both results.
 
         Parameters
         ----------

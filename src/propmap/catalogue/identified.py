@@ -164,5 +164,5 @@ def _rows() -> dict[tuple[str, int], dict[str, str]]:
 
 @cache
 def _bundled(key: tuple[str, int]) -> Identified:
-    # Most processes need one entry, and creating all of them takes longer than creating a rotor.
+    # Most processes need one entry, and creating all takes longer than creating a rotor.
     return entry_of(_rows()[key])

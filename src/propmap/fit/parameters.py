@@ -50,7 +50,7 @@ MOUNT = _listed("mount")
 INSTALLED = _listed("installed") | MOUNT
 """Parameters of the correction ``installed``; the model supplies values that a fit does not set."""
 
-FLEX = _listed("flex")  # the model supplies the value if a fit does not set it
+FLEX = _listed("flex")  # the model supplies a value that a fit does not set
 ROTOR = SECTION | FLEX | INSTALLED  # parameters that change the loads of a rotor in a given flow
 BODY, WING, SENSOR, TURNING = map(_listed, ("body", "wing", "sensor", "turning"))
 WAKES = _listed("wakes")  # the vehicle file supplies values that a fit does not set
