@@ -1,1 +1,1 @@
-"""What writes the catalogue, the tables of README and the generated parts of the documentation."""
+"""Tools that write the catalogue, the tables of README and the generated parts of the docs."""

@@ -2,8 +2,8 @@
 
 Usage: python tools/build_catalogue.py DATA_FOLDER
 
-DATA_FOLDER holds apc/*.PE0, apc/pe0/*.PE0, uiuc/geometry.csv, uiuc/loads.csv and oblique/*.csv.
-The files under src/propmap/catalogue/ are written anew; the same data give the same bytes.
+DATA_FOLDER contains apc/*.PE0, apc/pe0/*.PE0, uiuc/geometry.csv, uiuc/loads.csv and oblique/*.csv.
+The tool replaces the files under src/propmap/catalogue/; equal data result in equal bytes.
 """
 
 from __future__ import annotations

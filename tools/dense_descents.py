@@ -22,7 +22,7 @@ blade narrower than a 400th of it, or a rise of the residual between trial inflo
 
 ``--each 3`` uses the third solution alone and misses no such error, on a smaller sample.
 ``--by-fine`` replaces the first one by accuracy ``fine`` of the core, in a tenth of the time, and
-misses errors of both accuracies.
+misses errors common to both accuracies.
 
 Random points and errors:
 
@@ -34,7 +34,7 @@ Random points and errors:
   (``tests/other_laws.py``).  beta is 0 to 180 deg.  A rotor that is stalled at rest has the static
   loads of ``error_scales_of`` there.
 - Errors are relative to static thrust, static torque or, for the two moments, static thrust times
-  R, at the same rotational speed.  Beyond an advance ratio of 1 these are multiplied by
+  R, at the same rotational speed.  Beyond an advance ratio of 1, these references are multiplied by
   1 + (V/(Omega R))^2.
 
 FOUND.jsonl gets a line per 500 points.  Points that it contains are not computed again.

@@ -1,4 +1,4 @@
-"""`propmap explore` as a process of its own, and a real browser that looks at it."""
+"""Start `propmap explore` in a separate process, and open its page in a real browser."""
 
 from __future__ import annotations
 

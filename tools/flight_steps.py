@@ -1,9 +1,9 @@
-"""File what `propmap fit terms` found, for the documentation.
+"""Store the results of `propmap fit terms` for the documentation.
 
 Usage: propmap fit terms FLIGHT.csv FLIGHT.csv --vehicle VEHICLE.toml -o FOLDER
        python -m tools.flight_steps FOLDER
 
-Reads the CSV files of the folder and writes benchmarks/results/flight_steps.json.
+The tool reads the CSV files of FOLDER and writes benchmarks/results/flight_steps.json.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ Usage: python -m tools.ground_effect ROWS
 ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of 10-inch and 12-inch
 propellers by throttle and distance.  A thrust ratio is the thrust over the thrust at the largest
 distance and the same throttle.  It is divided by the squared ratio of the two rotational speeds.
-The constants minimize the largest relative deviation from the medians over the throttles: about
-one radius from a ceiling, the two propellers differ by more than the throttles of each.
+The constants minimize the largest relative deviation from the medians over the throttles.  About
+one radius from a ceiling, the two propellers differ by more than the throttles of one propeller.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Usage: python -m tools.identified_constants
 
-Runs ``COMMAND`` and writes its rounded section law to
+The tool runs ``COMMAND`` and writes the rounded section law to
 src/propmap/catalogue/airfoils/apc-8x6e-2019.toml.  Run it again after every change of the
 recommended model, because the constants are valid for that model.  The file omits the corrections
 of the fit, so that every model accepts the constants.

@@ -1,11 +1,10 @@
-"""Keep the axial loads that the pages of propellers show, as docs/measured/uiuc-axial.csv.
+"""Write the axial loads on the pages of propellers to docs/measured/uiuc-axial.csv.
 
 Usage: python -m tools.measured_rows LOADS
 
-LOADS is the UIUC database's table of loads.  The file has the rows of every propeller whose
-constants come with propmap, with each run under the number of blades that its loads have; it is
-written in the documentation's own form and with fewer digits, and cites its source in its first
-line.  It is to be written anew when propellers are added.
+LOADS is the UIUC database's table of loads.  The file contains the rows of all propellers with
+bundled constants, with rounded values and with corrected numbers of blades.  Its first line cites
+the source.  Run the tool again after adding propellers.
 """
 
 from __future__ import annotations

@@ -12,9 +12,9 @@ The prediction uses the mean blade and the constants of all series of the UIUC d
 measurements of one propeller are replaced by their median.  The medians over the propellers are the
 shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
 interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
-widened by the t distribution, and includes differences between stands.  The bands of diameters
-outside those on stands widen with the slope of the errors over log(diameter).  Below these
-diameters, the slope follows from one smaller propeller, ``TINY``.
+widened by the t distribution, and includes differences between stands.  Outside the diameters on
+stands, the bands widen with the slope of the errors over log(diameter).  Below these diameters, the
+slope follows from one smaller propeller, ``TINY``.
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.

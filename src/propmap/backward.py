@@ -1,7 +1,7 @@
 """Loads of a rotor that turns backward: the trailing edges of the blades meet the air first.
 
-Half a turn about the in-plane velocity maps such a rotor to an upside-down rotor, which turns
-forward, with a twist larger by pi, in an axial flow of opposite sign.  The core solves this rotor.
+Half a turn about the in-plane velocity maps such a rotor to an upside-down rotor that turns
+forward.  The core solves this rotor, with a twist larger by pi, in an axial flow of opposite sign.
 
 A section law describes flow from the trailing edge as separated flow around a flat plate along the
 zero-lift line.  At small angles of attack, this description is wrong for cambered sections.  By

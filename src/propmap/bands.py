@@ -47,7 +47,7 @@ NEAR_GROUND = 0.05
 It decreases with the distance in proportion to the effect."""
 
 BLADE_DRAG_SHARE = 0.10
-"""Standard deviation of the drag of bare blades, as a share.  The drag is within about 20 % of a
+"""Standard deviation of the drag of bare blades over the drag.  The drag is within about 20 % of a
 free-wake lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."""
 
 
@@ -124,7 +124,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         # Constants fitted to the tunnel or flight of interest already include this error.
         share = OBLIQUE[name] * float(known.another_tunnel) * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
-    # The lengths of the effects are those of ground_effect.hpp.
+    # The decay lengths of both effects are those in ground_effect.hpp.
     ground = NEAR_GROUND * np.exp(-at.height / (0.686 * blade.radius))
     ground = np.hypot(ground, NEAR_GROUND * np.exp(-at.ceiling / (1.61 * blade.radius)))
     share = np.hypot(ground, RING * _ring(model, at, by_name["thrust"]))

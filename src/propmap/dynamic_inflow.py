@@ -27,7 +27,7 @@ class DynamicInflow:
     A state is an array (..., ``size``) [m/s].  Its first three values are harmonics in the
     rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and y.
     The other values are the inflows of the annuli at fixed radii, positive against the thrust.
-    If all rates of a state vanish, the state solves eq. (11), as ``rotor.loads`` does.  If
+    A state whose rates all vanish solves eq. (11), like the inflow of ``rotor.loads``.  If
     blades stall, eq. (11) can have several solutions, and the final state of a simulation can
     differ from the largest solution, which ``rotor.loads`` uses.  The equations are in
     ``core/include/propmap/dynamic_inflow.hpp``, and the limits of the model in docs/theory.md.
@@ -38,7 +38,7 @@ class DynamicInflow:
         Rotor with the inflow of Pitt and Peters, or with an inflow that is uniform over azimuth.
     spin : str or sequence of str
         Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
-        lists the spins of several equal rotors.  The last axis of all points runs over them.
+        lists the spins of several equal rotors.  The last axis of all points runs over the rotors.
 
     Attributes
     ----------
@@ -156,8 +156,7 @@ class DynamicInflow:
     ) -> tuple[Wrench, Floats]:
         """Return the wrench before a time step and the state (..., size) [m/s] after the step.
 
-        A single evaluation of the blade elements yields both results.  ``advance`` is as
-        fast as ``step``.
+        A single evaluation of the blade elements yields both results.
 
         Parameters
         ----------
@@ -220,7 +219,7 @@ class DynamicInflow:
         omega: ArrayLike,
         velocity: ArrayLike,
     ) -> tuple[Floats, Floats]:
-        """Return states after ``dt``; if ``dt`` is Ellipsis, rates; if ``state`` is, steady states.
+        """Return states after ``dt``, or rates if ``dt`` is Ellipsis, or steady states if both are.
 
         Also return rows (..., 17) of force, moment, and the core's results for ``Loads``.
         """

@@ -42,7 +42,7 @@ class HoverModel:
             The rotor.
         omega : float, optional
             Rotational speed [rad/s], by default for a tip speed of 60 m/s.  It changes the
-            constants only through the Reynolds number, by about 0.1 % from 4000 to 8000 rpm.
+            constants by up to 4 % from 4000 to 8000 rpm (APC 8x6E), due to the Reynolds number.
 
         Raises
         ------

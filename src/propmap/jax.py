@@ -29,7 +29,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
     rotor : Rotor
         The rotor; constant in a compiled function.
     omega, v_axial, v_inplane : array, shape (...)
-        Rotational speed [rad/s], >= 0, V cos(beta) [m/s] and V sin(beta) [m/s], >= 0; the three
+        Rotational speed >= 0 [rad/s], V cos(beta) [m/s] and V sin(beta) >= 0 [m/s]; the three
         arrays broadcast.
 
     Returns
@@ -52,7 +52,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 
 def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
-    """Return the values as arrays; each comes with the length of its last axis, or 0 for any."""
+    """Return ``given`` values, each with the length of its last axis (0 for any), as arrays."""
     found = []
     for name, (x, count) in given.items():
         if jnp.iscomplexobj(x):

@@ -113,7 +113,7 @@ class Loads(LoadValues):
         - "installation": unspecified properties of an installed rotor.
 
         The sources are independent.  The first access computes the standard deviations, to first
-        order in the parameters, in about twice the time of the loads.
+        order in the parameters, in about three times the time of the loads (many points).
         """
         return self.deviations() if self.deviations is not None else {}
 

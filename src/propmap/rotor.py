@@ -99,7 +99,7 @@ class Rotor:
 
     @functools.cached_property
     def _core_of_growth(self) -> CoreRotor:
-        """Rotor of the core that also has derivatives by exponents of Re that are 0."""
+        """Rotor of the core that also has derivatives with respect to zero exponents of Re."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
     @functools.cached_property
@@ -137,8 +137,8 @@ class Rotor:
         **further
             ``height`` of the disk above level ground, and distance of a level ``ceiling`` above the
             disk [m], 0.3 R or more; None if far away.  The ground multiplies the thrust by
-            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow.  The
-            factor of the ceiling is 1 + 0.185 exp(-c/1.39R)/(1 + (V sin(beta)/v_i)^2).  Both are
+            1 + 0.424 exp(-h/0.686R)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow.  The
+            factor of the ceiling is 1 + 0.148 exp(-c/1.61R)/(1 + (V sin(beta)/v_i)^2).  Both are
             fitted to static thrust (docs/theory.md).  The other loads do not change.
 
         Raises
@@ -223,8 +223,8 @@ class Rotor:
         names : iterable of str
             P names from ``parameters``.
         omega, v_axial, v_inplane : array_like, shape (...)
-            Rotational speed [rad/s], >= 0, V cos(beta) [m/s] and V sin(beta) [m/s], >= 0; the
-            three arrays broadcast.
+            Rotational speed >= 0 [rad/s], V cos(beta) [m/s] and V sin(beta) >= 0 [m/s]; the three
+            arrays broadcast.
         **further
             ``height`` and ``ceiling``, as in ``loads``.
 
@@ -267,9 +267,9 @@ class Rotor:
         """Return the thrust of fully attached blades: a fast initial estimate.
 
         Each annulus has the Glauert inflow (10) for the lift at small angles of attack, without
-        drag, tip loss or stall.  Outside descent, this inflow is within one percent of the full
-        solution for ordinary flight.  In descent, momentum theory has several solutions or none.
-        The search starts above the largest one.  Without a solution, the result is not reliable.
+        drag, tip loss or stall.  Partly stalled blades have less thrust in the full solution, in
+        hover by up to 40 %.  In descent, momentum theory has several solutions or none.  The search
+        starts above the largest one.  Without a solution, the result is not reliable.
 
         Parameters
         ----------
@@ -315,7 +315,7 @@ class Rotor:
     ) -> results.Inflow:
         """Return the inflow, the angle of attack and the loads over the disk.
 
-        A wing behind the rotor meets the inflow v_i (footnote 3 of the paper).
+        The inflow v_i also acts on a wing behind the rotor (footnote 3 of the paper).
 
         Parameters
         ----------

@@ -99,7 +99,7 @@ def test_errors_are_shares_of_static_loads(invented: LoadTable) -> None:
 def test_maps_without_climb_or_axial_flight_are_refused(tmp_path: Path) -> None:
     content = invented_content(beta=(3.0, np.pi))
     content.cells[:] = 1
-    with pytest.raises(InputError, match="no points with lambda_c"):
+    with pytest.raises(InputError, match="no points with axial speed"):
         export_table(LoadTable(content), "gazebo", tmp_path)
     table = LoadTable(invented_content(beta=(0.5, np.pi)))
     with pytest.raises(InputError, match=r"begins at 28\.6.* deg.*--beta 0:"):

@@ -252,7 +252,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
     ),
     "six rotors": (
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
-        "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
+        "rotorpy", "has 6 rotors, but RotorPy needs 4",
     ),
     "one spin": (
         replace(PLAIN, mounts=tuple(replace(mount, spin="cw") for mount in UP)),

@@ -2,9 +2,9 @@
 
 Eight runs of the NR640 are filed under a wrong number of blades, three or four.  Within the scatter
 of repeated runs, seven have the loads of two blades, and one has the loads of four.  Thrust and
-power for the filed number of blades differ from these loads by a third to all of their value.  Each
-wrong number is the first digit of the rotational speed of the run.  With the filed numbers, runs at
-the same rotational speed differ by a quarter; with the corrected numbers, they agree.
+power for the filed number of blades differ from these loads by 33 to 100 %.  Each wrong number is
+the first digit of the rotational speed of the run.  With the filed numbers, runs at the same
+rotational speed differ by a quarter; with the corrected numbers, they agree.
 """
 
 from __future__ import annotations

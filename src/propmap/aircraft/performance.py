@@ -201,7 +201,7 @@ def performance(
 
 
 def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[str, Floats]:
-    """Return standard deviations for ``NamedState``, ``speed_std`` for states at the ``limit``."""
+    """Return standard deviations for ``NamedState``; ``speed_std`` is valid at the ``limit``."""
     sure = spread(aircraft, states)
     if sure is None:
         return {}
@@ -249,7 +249,7 @@ CLOSE, NARROW = 2e-3, 0.1
 """Final width of the search interval as a share of its speed, and distance of new speeds from the
 expected top speed, as a share of the interval."""
 
-WITHIN = 0.999  # share of the last interval that is used, so that rounding does not pass the limit
+WITHIN = 0.999  # used share of the last interval, so that rounding errors do not exceed the limit
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
@@ -278,7 +278,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
 def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
-    """Return the largest speed, its limit, and the ``states`` with all states of the search."""
+    """Return the largest speed, its limit, and ``states`` with all states of the search added."""
     low, high, why = _last_and_next(states)
     for _ in range(SEARCH_STEPS):
         if math.isnan(low):
@@ -295,7 +295,7 @@ def searched(
             if math.isnan(met):
                 further = low + (high - low) * np.array([0.25, 0.5, 0.75])
             further = further[(further > low) & (further < high)]
-        # With ``low`` in the same call, lost states start again from the last flown state.
+        # Include ``low``: states that were not found then start again from its solution.
         speeds = np.array([low, *further])
         states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
         low, high, why = _last_and_next(states)

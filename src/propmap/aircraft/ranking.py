@@ -331,7 +331,7 @@ class Candidate:
     propeller: Propeller
     airfoil: Section
     covariance: SectionCovariance | None = None  # covariance of the section constants
-    verdict: str = "good"  # or a fault of the constants
+    verdict: str = "good"  # "good", or a fault of the constants
 
     def varied(self) -> list[Candidate]:
         """Return candidates with constants changed by one standard deviation along each principal

@@ -131,7 +131,7 @@ class Aircraft:
             Bank of a coordinated level turn, positive to the right [rad].  Speed, climb and bank
             broadcast to (n,).
         margin : bool
-            Whether to compute the thrust margin, which doubles the time.
+            Whether to compute the thrust margin, which takes up to three times as long.
         near : SteadyStates, optional
             Known states at increasing speeds.  The initial values of the solver are interpolated
             from them, which saves time.
@@ -225,7 +225,7 @@ class Aircraft:
         rough = found.residual > ACCEPTED
         slow = np.zeros_like(lost)
         if self.vehicle.wing is not None and self._lost == NOT_FOUND:
-            # Limits of lifting rotors come first; with forward-pulling rotors, stall does.
+            # Stall overrides the limits of forward-pulling rotors, but not of lifting rotors.
             gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
             slow = gone & stalled(self.vehicle, self.vehicle.wing, flight)
         names = [STALL, self._lost, *used, VORTEX_RING, COARSE]

@@ -167,7 +167,7 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 #
 # Multirotor propellers were not measured in the UIUC wind tunnel.  On stands, their thrust and
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
-# of measured to predicted loads hardly depends on the size and the number of blades.  The prior of
+# of measured to predicted loads depends little on the size and the number of blades.  The prior of
 # the constants is shifted and narrowed to give static loads the distribution measured on stands.
 # held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
@@ -416,8 +416,8 @@ def _of_constants(prior: PopulationPrior) -> SectionCovariance:
 # -------------------------------------------------------------------------------------------------
 # Mean blade of one series of propellers, or of several.
 #
-# Within a series, chord over radius, and twist minus the screw angle of the labeled pitch, hardly
-# depend on the size.  Their means over the measured blades of a series, or over all series with
+# Within a series, chord over radius, and twist minus the screw angle of the labeled pitch, depend
+# little on the size.  Their means over the measured blades of a series, or over all series with
 # equal weight, define a blade of any size.
 
 SHARES = np.linspace(0.15, 1.0, 18)
@@ -651,8 +651,8 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
     values, vectors = np.linalg.eigh(both - before)
     # Rounding may cause small negative eigenvalues in directions that the data do not determine.
     precision = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    # Centered at the constants of the fit, which the prior affected.  Constants fitted to the data
-    # alone can be far outside the range in which the loads are linear.
+    # Center the likelihood at the constants of the fit, which the prior affected.  Constants fitted
+    # to the data alone can be far outside the range in which the loads are linear.
     return Member(one.family, one.tested, one.size, precision, precision @ place)
 
 
@@ -662,7 +662,7 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
-    # Outside the range of the data, the trend may end or continue: one standard deviation.
+    # Beyond the data the trend may end or continue: the difference is one standard deviation.
     beyond = population.trend @ covariates(size) - population.shift(size)
     joint[-own.size :, -own.size :] += np.outer(beyond, beyond)
     if not members:

@@ -94,7 +94,7 @@ def identified(propeller: str, blades: int) -> Identified | None:
 def all_identified(family: str | None = None) -> list[Identified]:
     """Return the bundled constants of one ``family``, or all, in the order of the file.
 
-    They belong to measured blades, or to the manufacturer's blade of a propeller without one.
+    They are for measured blades, or for the manufacturer's blade if none was measured.
     """
     rows = [item for item in _rows().items() if family in (None, item[1]["family"])]
     measured = {row["tested"] for _, row in rows if row["geometry"] == "measured"}
@@ -164,5 +164,5 @@ def _rows() -> dict[tuple[str, int], dict[str, str]]:
 
 @cache
 def _bundled(key: tuple[str, int]) -> Identified:
-    # Created on demand: most processes need one entry, and all entries take longer than a rotor.
+    # Most processes need one entry, and creating all takes longer than creating a rotor.
     return entry_of(_rows()[key])

@@ -46,8 +46,8 @@ def propeller(
     1. a name in the catalogue;
     2. a file;
     3. the catalogue propeller of a designation with manufacturer or series;
-    4. the mean blade of the named series; of all series for an unknown manufacturer, or for a
-       designation that contains only the size.
+    4. the mean blade of the named series, or of all series if the manufacturer is unknown or the
+       designation contains only the size.
 
     Parameters
     ----------
@@ -85,8 +85,8 @@ def propeller(
 def meant_by(name_or_path: str | os.PathLike[str], blades: int | None = None) -> expected.Meant:
     """Return the entry or predicted blade that ``propeller`` uses, with ``blades`` if given.
 
-    For a file of APC it is the propeller in its title, for other files None.  Errors are those of
-    ``propeller``.
+    For a file of APC, return the entry of the propeller in its title; for other files, None.  Raise
+    the errors of ``propeller``.
     """
     return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
 
@@ -127,8 +127,8 @@ def _of_apc_file(path: Path) -> catalogue.Entry | None:
 def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     """Return the catalogue propeller for a designation, with its number of blades, or a prediction.
 
-    A size alone selects no catalogue propeller.  Only the series and, unless it is 2, the number of
-    blades select a blade from a manufacturer's file.  Raise ``InputError`` for other text, an
+    A size alone selects no catalogue propeller.  A blade from a manufacturer's file requires the
+    series and, for other than 2 blades, their number.  Raise ``InputError`` for other text, an
     unknown name in the form of a catalogue name, and a designation that fits several series.
     """
     wanted = designation.designation(text)

@@ -113,7 +113,7 @@ def export(
     For a fit, a propeller or a vehicle, the command builds the table if the output format requires
     a table.
 
-    For approximate formats, the command also writes a README with the approximation errors.
+    Except for cpp, the command also writes a README with the errors of the format.
     """
     from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import built_tables, export_rotor, export_table, export_vehicle

@@ -404,7 +404,7 @@ def fit_tunnel(
 # -------------------------------------------------------------------------------------------------
 # ``propmap fit static``: a fit to a static test, and the uncertainty it leaves in forward flight.
 
-LIKE_ELECTRICAL = 1.2  # measured over expected power from which the power may be electrical
+LIKE_ELECTRICAL = 1.2  # ratio of measured to expected power above which it may be electrical
 STILL = 0.5  # largest reading of an anemometer in still air [m/s]
 
 

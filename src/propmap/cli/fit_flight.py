@@ -208,8 +208,8 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter of the signals of whole flights; "
-        "0 for no filter (default: 6).",
+        help="Cut-off frequency in Hz of the low-pass filter of the signals, except for steady "
+        "segments; 0 for no filter (default: 6).",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
@@ -218,9 +218,9 @@ BODY_PLATE = "plate_area"
 BODY_ALONG_Z = (BODY_PLATE, "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotor mounts does not replace."""
 
-# Prior standard deviations as fractions: body areas of the area of all disks, mount area of the
-# area of its disk, positions of the accelerometer and of the center of mass of the mean distance of
-# the hubs, mass of a rotor (at its radius) of the mass of the vehicle.
+# Prior standard deviations, divided by a scale: body areas by the area of all disks, mount area by
+# one disk area, positions of accelerometer and center of mass by the mean distance of the hubs,
+# mass of a rotor (at its radius) by the mass of the vehicle.
 BODY_SHARE, MOUNT_SHARE = 0.4, 0.1
 SENSOR_SHARE, CENTER_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
@@ -445,7 +445,7 @@ def fit_flight(
 # ``propmap fit terms``: a web page on the benefit of each term of a flight fit.
 
 ALMOST_NONE = 1e-9  # area of a mount without drag [m^2]
-STALL = ("c_l1", "c_d", "alpha_0")  # the paper's four without c_l2: level flights do not show it
+STALL = ("c_l1", "c_d", "alpha_0")  # of the paper; level flights do not determine c_l2
 DRAGS, DOWN = ("drag_area_x", "drag_area_y", "drag_area_z"), ("download_area_x", "download_area_y")
 ENDINGS = ("x", "y", "z")
 

@@ -102,10 +102,10 @@ AirfoilOption = Annotated[
     Option(
         "--airfoil",
         metavar="NAME|FILE",
-        help="Section law: a name that `propmap airfoils` lists, or a file: a fit or parameter set "
-        "(.toml), or a table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: "
-        "constants identified for the propeller, or else constants predicted from its family or "
-        "from all propellers.",
+        help="Section law (airfoil model): a name that `propmap airfoils` lists, or a file: a fit "
+        "or parameter set (.toml), or a table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, "
+        "CSV). Default: constants identified for the propeller, or else constants predicted from "
+        "its family or from all propellers.",
     ),
 ]
 FitAirfoilOption = Annotated[

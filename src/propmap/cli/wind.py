@@ -18,7 +18,7 @@ from propmap.vehicle.files import read_vehicle
 
 
 def wind(
-    fit: Annotated[Path, Argument(metavar="FIT.toml", help="Fit to whole flights of the vehicle.")],
+    fit: Annotated[Path, Argument(metavar="FIT.toml", help="Fit of fit flight --method balance.")],
     log: Annotated[
         Path, Argument(metavar="LOG", help="Flight log (CSV, Parquet, ULog, DataFlash, bag).")
     ],

@@ -26,7 +26,7 @@ class Export(NamedTuple):
     function: str  # "module.function" in ``propmap.export`` that returns the files
     writes: str
     keeps: str  # properties of the source's loads that the format can represent
-    loses: str = "nothing"  # and properties that it cannot
+    loses: str = "nothing"  # properties that it cannot represent
 
     def make(self) -> Any:
         """Import the module of the export and return the function."""

@@ -293,7 +293,7 @@ class DragFilter:
     whole: bool  # whether s is the magnitude of the velocity
     largest: float  # larger values of B are written as 0, no body drag [kg/m^2]
     source: str  # source file of the equation
-    between: str  # how the filter combines the axes in flight between them, in words
+    between: str  # how the filter combines both axes in diagonal flight, in words
 
     def parameters(
         self, flights: Flights, vehicle: Vehicle
@@ -362,7 +362,7 @@ class DragFilter:
     def _comparison(
         self, flight: InplaneForces, vehicle: Vehicle, rotors: float, ballistic: float
     ) -> DragComparison:
-        """Compare a flight with the filter, for M in this air ``rotors`` [1/s] and B [kg/m^2]."""
+        """Compare a flight with the filter; ``rotors`` is M in this air [1/s], ``ballistic`` B."""
         inverse, mass = (ballistic > 1.0) / max(ballistic, 1.0), vehicle.mass
         density = vehicle.air.density
         slower, here, faster = (

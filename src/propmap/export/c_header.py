@@ -65,7 +65,7 @@ def header(table: LoadTable) -> str:
         column_weights=columns,
         odd_weights=odd,
         cells=cells,
-        # At each knot the loads at the smallest omega, then at the largest.
+        # Each knot stores the loads at the smallest omega, then at the largest omega.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
         .astype(np.float32),

@@ -66,8 +66,8 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Render a template with ``values``, the ``table``, the propeller's identifier ``p``, in
-    capitals ``P``, ``loads``, and the provenance as ``lines``."""
+    """Render a template with ``values``, the ``table``, ``loads``, the provenance as ``lines``, and
+    the propeller's identifier as ``p`` and, in capitals, ``P``."""
     name, lines = identifier(table), provenance(table)
     common = {"table": table, "loads": LOADS, "p": name, "P": name.upper(), "lines": lines}
     return filled(template, **common, **values)
@@ -170,7 +170,6 @@ def note(
     cost = "Nothing is simplified: the export has only the errors of the table."
     if found:
         cost = f"Error against the table, relative to static loads at the same omega: {shares}."
-        cost += " lambda_c and mu are the advance ratios along the axis and in the disk plane."
     parts = [f"propmap export: {title}"]
     for part in (*text.split("\n\n"), cost):
         words = " ".join(part.split())
@@ -200,7 +199,8 @@ LARGEST_MU = 0.25
 """Advance ratios, along the axis and in the disk plane, for which the simple models are intended:
 climb and slow descent.  In faster descent their errors triple."""
 
-SIMPLE = f"lambda_c from {CLIMB[0]:g} to {CLIMB[1]:g}, mu up to {LARGEST_MU:g}, no vortex ring"
+SPEEDS = f"axial speeds from {CLIMB[0]:g} to {CLIMB[1]:g}, in-plane speeds up to {LARGEST_MU:g}"
+SIMPLE = f"{SPEEDS} of the tip speed, no vortex ring"
 
 
 @dataclass(frozen=True)

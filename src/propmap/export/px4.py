@@ -154,7 +154,7 @@ def geometry(vehicle: Vehicle) -> list[Explained]:
     """Return number, positions and axes of the rotors; ``InputError`` for more than 12 rotors."""
     count = len(vehicle.mounts)
     if count > MOST_ROTORS:
-        found = f"the vehicle has {count} rotors, PX4's control allocation at most {MOST_ROTORS}"
+        found = f"the vehicle has {count} rotors, but PX4 accepts at most {MOST_ROTORS}"
         raise InputError(found, "choose another autopilot")
     places, axes = {}, {}
     for k, mount in enumerate(vehicle.mounts):
@@ -226,7 +226,7 @@ SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
 def simulator(
     vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: SignalCurve | None
 ) -> tuple[list[Explained], str]:
-    """Return the simulator's parameters from level ``flights`` along x and y, or why not."""
+    """Return the simulator's parameters from ``flights`` along x and y, or a reason for none."""
     if curve is None:
         return [], "they require the thrust at the full signal, see THR_MDL_FAC"
     places = [in_frd(mount.position) for mount in vehicle.mounts]
@@ -281,7 +281,7 @@ def simulator(
 
 THRUSTER = "PX4-Autopilot src/modules/simulation/simulator_sih/aero.hpp, Thruster"
 RATIOS = np.linspace(0.0, 2.0, 201)  # advance ratios J of the fit
-THROTTLES = np.array([0.25, 0.5, 1.0])  # throttles of the fit; rotor speed is as their square root
+THROTTLES = np.array([0.25, 0.5, 1.0])  # of the fit; rotor speed grows with their square root
 
 
 def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
@@ -358,7 +358,7 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
 
 
 def _falling_parabola(ratio: Floats, values: Floats) -> Floats:
-    """Fit a quadratic with a last constant (3,) of at most zero, as PX4 requires."""
+    """Fit a quadratic (3,) whose last constant is at most zero, as PX4 requires."""
     fit = np.polynomial.polynomial.polyfit
     found = fit(ratio, values, 2)
     if found[2] > 0.0:

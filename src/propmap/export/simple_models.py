@@ -93,7 +93,7 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     Raises ``InputError`` unless four rotors set thrust and moments, or for an unsuitable table.
     """
     if len(vehicle.mounts) != ROTORS:
-        found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
+        found = f"the vehicle has {len(vehicle.mounts)} rotors, but RotorPy needs {ROTORS}"
         raise InputError(found, "write your own multirotor with propmap.VehicleForces")
     directions = [-spin_sign(mount.spin) for mount in vehicle.mounts]
     if np.linalg.matrix_rank([np.ones(ROTORS), directions, *vehicle.hub_positions.T[:2]]) < ROTORS:
@@ -179,8 +179,8 @@ JSBSIM_POINTS = 121  # linear interpolation between them has an error of 1e-4 of
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each.
 
-    Omega is the middle one, or the largest that reaches J.  Descent is included up to the first
-    point without loads.
+    Omega is the smaller of ``files.middle_omega`` and the largest omega that reaches J.  Descent is
+    included up to the first point without loads.
     """
     low, high = table.envelope["beta"]
     if low > 1e-9:

@@ -186,13 +186,13 @@ def check_vehicle(vehicle: Vehicle) -> None:
             beside = float(np.hypot(arm[0], arm[1]))
             if beside < vehicle.propeller.radius:
                 raise InputError(
-                    f"rotors {j} and {k} are above each other ({beside:g} m apart), and the models "
+                    f"rotors {j} and {k} are above each other ({beside:g} m apart), but the models "
                     "of autopilots have no wakes of rotors on each other",
                     "describe each pair as one rotor, with its own table",
                 )
     if vehicle.wakes is not None:
         raise InputError(
-            "[wakes] is given, and the models of autopilots have no wakes of rotors on each other",
+            "[wakes] is given, but the models of autopilots have no wakes of rotors on each other",
             "pass --no-wakes, or remove [wakes]",
         )
 
@@ -201,7 +201,7 @@ def check_vehicle(vehicle: Vehicle) -> None:
 # The drag model of autopilot Kalman filters: linear rotor drag and quadratic body drag.
 #
 # The specific force along a body axis is m v + 1/2 rho b q, where v is the component of the
-# velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
+# velocity along the axis, and q is a square of the velocity.  Both axes have the same m; 1/b is the
 # ballistic coefficient of the axis.
 
 CLOSE = 0.1  # maximum relative error of the force at which the model counts as valid
@@ -298,7 +298,7 @@ def rotor_sources(
 def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
     """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s]
     in the rotor frame; the errors of a table's loads are independent of each other."""
-    # Compute equal points once: in symmetric flight half the rotors have the flow of another one.
+    # Compute equal points once: in symmetric flight half the rotors have the flow of another rotor.
     once, where = np.unique(
         np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True
     )
@@ -402,7 +402,7 @@ class SignalCurve:
 
     signal: Floats  # rising (n,)
     thrust: Floats  # mean over the rotors (n,) [N]
-    full_thrust: float  # this and the following at the signal 1 [N]
+    full_thrust: float  # [N]; the ``full`` values are at the signal 1
     full_torque: float  # [N m]
     full_speed: float  # [rad/s]
     full_current: float  # per motor [A]
@@ -445,7 +445,7 @@ def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
 def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> SignalCurve | None:
     """Compute the thrust curve of a vehicle with motor and battery at a ``charge`` from 0 to 1.
 
-    ``more_torque`` is a relative increase of the model's torque.  None if the battery cannot
+    ``more_torque`` is a relative increase of the model's torque.  Return None if the battery cannot
     deliver the full signal.
     """
     powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)

@@ -414,7 +414,7 @@ def _listed(tables: Any) -> Any:
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Return the standard deviations of C_T and C_P that a fit leaves, by ``DISCREPANCIES``.
+    """Return standard deviations of the errors of C_T and C_P after a fit, by ``DISCREPANCIES``.
 
     ``found`` is the fitted model, and ``hover`` (M,) contains the loads of the hover model.  A load
     that was not fitted gets the relative error of the other load.

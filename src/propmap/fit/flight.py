@@ -135,7 +135,7 @@ def _rows(
     """Return a row for each ``measured`` load (n, L).
 
     The scale of forces is the weight.  The scale of moments is the weight times a length: the mean
-    distance of the hubs from the center of mass, or the radius about z and for a distance of zero.
+    distance of the hubs from the center of mass or, about z and for a distance of zero, the radius.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 
@@ -542,8 +542,8 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 SKEWED = 0.5
 """Least airspeed of a flight over the inflow of hover at which the wakes of a fit are free [-]; at
-slower speeds, wakes are within 27 deg of the rotor axis.  Wakes do not improve a fit to Neural-Fly
-flights up to 0.3, and this fit predicts only a quarter of the thrust at 4.2 m/s."""
+slower speeds, wakes are within 27 deg of the rotor axis.  In Neural-Fly flights up to 0.3,
+free wakes do not improve the fit, and the fit predicts only a quarter of the thrust at 4.2 m/s."""
 
 
 def wakes_interact(vehicle: Vehicle, log: FlightLog) -> bool:

@@ -24,7 +24,7 @@ DIFFERENCE = 1e-5  # step of difference quotients, in spreads
 
 ON_BOUND = 1e-9  # parameters closer to a bound, in spreads, are set to the bound
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations from each start, and of the polish
-FINE = 1e-6, 1e-8  # last relative steps and gains, above the errors of the derivatives
+FINE = 1e-6, 1e-8  # step and gain that end a search, above the errors of the derivatives
 REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
 FAR = 1.5  # largest distance of a start from the prior mean, in standard deviations of the prior
 MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
@@ -173,8 +173,8 @@ def search(
         if len(begin) > 1:
             best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
-            # So near to a perfect fit, errors of the derivatives would end the search early.  If
-            # priors or noise leave larger residuals, the first step gains little and ends it.
+            # Near a perfect fit, errors of the derivatives would end the search early.  If priors
+            # or noise leave larger residuals, the first step gains little and ends the search.
             best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact=True), best, key=_cost)
     x = best.x
     for bound in (lower, upper):

@@ -55,7 +55,7 @@ def moment_of_all(
 
     The parameters of ``TURNING`` in ``values`` add to the values of the vehicle file.  ``loads``
     (n, 6) contains the aerodynamic force on the vehicle [N] and the moment of the rotors about the
-    center of mass of the file [N m], ``slopes`` (P, n, 6) the derivatives of ``loads``.
+    center of mass of the file [N m].  ``slopes`` (P, n, 6) contains the derivatives of ``loads``.
     """
     force, by_force = loads[:, :3], slopes[..., :3]
     center = np.array([values.get(name, 0.0) for name in CENTER])

@@ -48,12 +48,12 @@ def _listed(table: str) -> dict[str, Parameter]:
 
 MOUNT = _listed("mount")
 INSTALLED = _listed("installed") | MOUNT
-"""Parameters of the correction ``installed``; the model has the values that a fit does not set."""
+"""Parameters of the correction ``installed``; the model supplies values that a fit does not set."""
 
-FLEX = _listed("flex")  # the model has the value that a fit does not set
+FLEX = _listed("flex")  # the model supplies a value that a fit does not set
 ROTOR = SECTION | FLEX | INSTALLED  # parameters that change the loads of a rotor in a given flow
 BODY, WING, SENSOR, TURNING = map(_listed, ("body", "wing", "sensor", "turning"))
-WAKES = _listed("wakes")  # the vehicle file has the values that a fit does not set
+WAKES = _listed("wakes")  # the vehicle file supplies values that a fit does not set
 FLIGHT, THROTTLE = _listed("flight"), _listed("throttle")
 ROTOR_SPEED = "rotor_speed_scale"
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
@@ -231,9 +231,9 @@ SMALLEST = 1e-6  # replaces constants at their bound of 0, which have no logarit
 
 LEAST_ERROR = 0.03
 """Least standard deviation of residuals as a share of their scale, in fits with a ``SectionPrior``.
-No stand and no model is better, even if a fit to few rows leaves less.  With this value, the right
-share of a propeller's flight rows lies in the intervals after a fit to its static rows: ``python -m
-tools.after_static``."""
+No stand and no model is more accurate, even if a fit to few rows leaves smaller residuals.  With
+this value, the 95 % intervals after a fit to static rows contain 95 % of a propeller's flight rows:
+``python -m tools.after_static``."""
 
 LEAST_IN_FLIGHT = 0.01
 """``LEAST_ERROR`` of the forces in whole flights, as a share of the weight.  It is smaller because

@@ -143,12 +143,12 @@ def tunnel_rows(
 ) -> Rows:
     """Return rows from loads measured on a bench or in a wind tunnel.
 
-    Residuals are compared as coefficients, that is divided by rho Omega^2 R^4 (R^5 for moments),
-    because measurement errors grow in this way with rotational speed.  The scale of a load is the
-    root mean square of its measured coefficient, divided by its weight.  With a prior from other
-    propellers, the square of the scale has a second term: the error of the load cell, which is
-    constant in N or N m.  Both terms are equal at the highest rotational speed.  At lower speeds,
-    the term of the load cell is larger.
+    Residuals are divided by rho Omega^2 R^4 (R^5 for moments), because measurement errors grow with
+    rotational speed in proportion to this divisor.  The scale of a load is the root mean square of
+    its measured coefficient, divided by its weight.  With a prior from other propellers, the square
+    of the scale has a second term: the error of the load cell, which is constant in N or N m.  Both
+    terms are equal at the highest rotational speed.  At lower speeds, the term of the load cell is
+    larger.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from propmap.typing import Floats
 AT_BOUND = 1e-6  # largest distance from a bound, in spreads, at which the bound holds a parameter
 
 HELD_BY_PRIOR = 0.7  # standard deviation over that of the prior, above which the prior dominates
-LARGEST_STRETCH = 4.0  # largest factor on one side of an interval
+LARGEST_STRETCH = 4.0  # largest factor that widens one side of an interval
 
 NEGLIGIBLE = 1e-6
 """Singular value over the largest, below which data do not determine a direction.  Its square has
@@ -167,8 +167,8 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` if the
-    sum of squares, linearized again at an end, rises by less than the first linearization gives."""
+    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` where
+    the sum of squares, linearized at the end, is below its first linearization."""
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
@@ -323,10 +323,10 @@ def block_errors(
     """Return the cluster-robust covariance (P, P) of the gradient of half the sum of squares, and
     Satterthwaite's degrees of freedom (P,).
 
-    ``slopes`` are (M, P), and ``group`` numbers the segments.  The residuals of each segment are
-    those of a fit without it (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169),
-    because with few segments the residuals of one fit are too small.  Some errors last longer than
-    a segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
+    ``slopes`` are (M, P), and ``group`` numbers the segments.  Each segment has the residuals of a
+    fit without this segment (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169).
+    With few segments, the residuals of one fit are too small.  Some errors last longer than a
+    segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
     adds to the variance.  ``whole`` is the information of data and priors, ``by_priors`` the part
     of priors in the covariance.
     """

@@ -31,7 +31,7 @@ FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
 roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
-pairs fit, the message contains the nearest.  Few pole pairs must fit closely: 2 is near 1."""
+pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, as 2 is near 1."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 

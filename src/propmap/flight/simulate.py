@@ -338,7 +338,7 @@ def expectation(
     rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
     _, slopes = rows.model(truth, free)
     x, error = choice.first, max(error, NOISE_FLOOR)
-    # With the fitted parameters discounted, these residuals give the standard error ``error``.
+    # Divided by the degrees of freedom, these residuals have the standard error ``error``.
     margin = AT_BOUND * choice.column("spread")
     inside = np.minimum(x - choice.column("lower"), choice.column("upper") - x) >= margin
     discount = max(len(rows.measured) - int(inside.sum()), 1) / len(rows.measured)

@@ -115,7 +115,7 @@ def _words(text: str) -> str:
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
     """Yield all splits of a column name: words, unit, unit as spelled in the file, and number of
-    qualifiers left out of the words, for example 1 for "Thrust - Motor 1 (N)" without "Motor 1"."""
+    omitted qualifiers.  For "Thrust - Motor 1 (N)" without "Motor 1", this number is 1."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)

@@ -293,10 +293,10 @@ def read_uiuc_geometry(
 ) -> Propeller:
     """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    The files contain neither radius nor number of blades.  A number in the name or the title of
-    the file counts; other files of the database are assumed to have 2 blades.  For a file that
+    The files contain neither radius nor number of blades.  The reader uses a number in the name or
+    title of the file; without one, it assumes 2 blades for a file of the database.  For a file that
     does not seem to be from the database, ``blades`` is required.  Blanks or commas separate the
-    columns, lines that start with # are comments.  The last row must be the tip, r/R = 1.
+    columns; lines that start with # are comments.  The last row must be the tip, r/R = 1.
     """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):

@@ -257,7 +257,7 @@ class Airfoil(SectionLaw):
         return "\n".join(lines) + "\n"
 
 
-FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")  # in files
+FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")  # fields in files
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:

@@ -153,7 +153,7 @@ class Model:
         filed = getattr(self.airfoil, "corrections", None) or ()
         mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, filed)]
         if known is not None and mounts[0] != mounts[1]:
-            # The user gave the installation, so that of the fit and its covariance do not apply.
+            # The user stated another mount, so the covariance of the fitted mount does not apply.
             known = known.without(MOUNT_AREA).without(DRAG_FACTOR)
         return known
 
@@ -183,7 +183,7 @@ class Model:
         low, high : float
             Smallest and largest Reynolds number over all points.  At each point the range contains
             98 % of the integral of dynamic pressure times chord.  The induced velocity, which
-            hardly changes Re, is neglected.
+            changes Re little, is neglected.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
         y = np.linspace(*self.span, 61)[:, None]

@@ -47,7 +47,7 @@ LOAD_UNIT_ERRORS = (
     ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
 )  # factors on thrust and torque, whose estimates grow with rpm^2 and with R^4 and R^5
 
-CLOSE_FACTOR = 2.3  # scatter of loads of similar blades: it hides differences of closer unit errors
+CLOSE_FACTOR = 2.3  # scatter of loads of similar blades, which hides smaller differences
 
 
 def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:

@@ -228,7 +228,7 @@ def judged(fit: FitRecord) -> list[JudgedLoad]:
 
 
 def _beside_largest(sizes: Mapping[str, float], loads: Mapping[str, str]) -> dict[str, float]:
-    """Return the references: the largest of ``sizes`` for all forces, its own for a moment."""
+    """Return the references by load: the largest force for forces, its own size for a moment."""
     own = {key: size for key, size in sizes.items() if loads[key] in MOMENTS}
     forces = [size for key, size in sizes.items() if key not in own and math.isfinite(size)]
     return dict.fromkeys(sizes, max(forces, default=math.nan)) | own

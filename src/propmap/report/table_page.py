@@ -43,7 +43,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         for load in LOADS.values()
     }
     points = evenly(table)
-    code = table.loads(*points).code % interpolation.REVERSED  # which replaces OK
+    code = table.loads(*points).code % interpolation.REVERSED  # counts REVERSED as OK
     records = [table_cells(table), load_lines(table, omega, still), load_maps(table, omega)]
     values = {}
     if found:

@@ -199,7 +199,7 @@ class MjxRotors:
         Raises
         ------
         InputError
-            As ``JaxForces.from_vehicle``, for a body that does not exist, is not free or has
+            As in ``JaxForces.from_vehicle``, for a body that does not exist, is not free or has
             another mass, for a model with air density or viscosity, and for a negative time
             constant.
         """

@@ -433,7 +433,7 @@ def free_body(model: Any, body: str | int) -> tuple[int, slice, slice]:
         found = f"the model has no body {quoted(body)}"
         raise InputError(found, f"choose one of {', '.join(known)}")
     at = model.body(body)
-    # A body with a free joint has no other.
+    # A body with a free joint has no other joint.
     joint = model.joint(at.jntadr[0]) if at.jntadr[0] >= 0 else None
     if joint is None or joint.type[0] != mujoco.mjtJoint.mjJNT_FREE:
         raise InputError(f"the body {quoted(at.name)} is not free", "give it a <freejoint/>")

@@ -42,7 +42,7 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     import xarray
 
-POINTS_PER_TASK = 16_384  # some seconds of one core; fewer: more overhead, more: more lost work
+POINTS_PER_TASK = 16_384  # some seconds; fewer points add overhead, more points lose more work
 SAMPLE = 2048  # operating points whose evaluation is timed to predict the time of a sweep
 Values = dict[str, NDArray[Any]]  # arrays by quantity
 

@@ -34,7 +34,7 @@ from propmap.tasks import Workers
 from propmap.typing import Floats
 from propmap.units import RPM
 
-MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances must be twice as large
+MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; half the least tolerance
 LARGEST_TOLERANCE = 0.1
 
 # Fractions of the envelope in unresolved cells.
@@ -203,7 +203,7 @@ def _content(
         beta=refined.beta.knots,
         omega=ends[0],
         speed=ends[1],
-        # Rounded as in the file, so that a table gives the same loads before and after saving.
+        # Round as in the file, so that a table returns the same loads before and after saving.
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells.astype(np.uint8),
         info=info,
@@ -350,8 +350,8 @@ FIRST_KNOTS = 13  # initial number of knots along each axis
 
 # Allowed errors as fractions of the tolerance.
 LINE_SHARE = 0.35  # of the interpolation along one axis; the errors along both axes add
-CELL_SHARE = 0.6  # at the center of a cell; corners and the Reynolds term take the rest
-POINT_SHARE = 0.9  # at random points of a cell, at all omegas; the rest covers missed points
+CELL_SHARE = 0.6  # at the center of a cell; the rest is for corners and the Reynolds term
+POINT_SHARE = 0.9  # at random points of a cell, at all omegas; the rest is for missed points
 FINEST_INFLOW = 300  # hover inflow ratio sqrt(C_T/2) over the least distance between knots of J
 FINEST_ANGLE = np.pi / 512  # least distance between knots along beta [rad]
 MOST_KNOTS = 400_000  # largest number of knots; 32 bytes each in the file, before compression

@@ -179,14 +179,14 @@ def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -
 # One axis of a table: C1 cubic interpolation between knots at any distances.
 #
 # Each interval has a cubic Hermite polynomial.  Its slope at a knot is the slope of the parabola
-# through the knot and its two neighbors, so that the polynomial depends on four values: the ends of
-# the interval and the next value on each side.  At an end of the axis, a ghost value replaces the
-# missing one.
+# through the knot and its two neighbors.  The polynomial therefore depends on four values: the ends
+# of the interval and the next value on each side.  At an end of the axis, a ghost value replaces
+# the missing one.
 
 
 def interval_polynomials(knots: Floats) -> Floats:
-    """Return polynomials (n - 1, 4, 4) between n >= 3 knots: the weight of value k of four in
-    interval i, at fraction t of its width, is the sum over m of coefficients[i, k, m] t^m."""
+    """Return polynomials (n - 1, 4, 4) between n >= 3 knots.  In interval i, at fraction t of its
+    width, the weight of value k of four is the sum over m of coefficients[i, k, m] t^m."""
     wide = with_ghosts(knots)
     before, width, after = wide[1:-2] - wide[:-3], wide[2:-1] - wide[1:-2], wide[3:] - wide[2:-1]
     zero = np.zeros_like(width)
@@ -214,8 +214,8 @@ def on_planes(beta: Floats) -> tuple[bool, bool]:
 
 
 def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Return values (n, ...) with a ghost value at each end: by the parity ``low`` or ``high``, 1
-    or -1, on a plane of symmetry; for None by the parabola through the last three values."""
+    """Return values (n, ...) with a ghost value at each end.  On a plane of symmetry, ``low`` or
+    ``high`` is the parity, 1 or -1; None extrapolates a parabola through three values."""
     wide = with_ghosts(knots)
     ghosts = []
     for parity, ends, ghost in ((low, slice(0, 3), wide[0]), (high, slice(-1, -4, -1), wide[-1])):
@@ -261,9 +261,9 @@ def _parabola(x: Floats, at: float) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Positions of operating points in units of cells: the errors of a table vary on the scale of cells.
 #
-# A position (n, 3) has the number of cells below the point along the advance ratio and along beta,
-# with a fraction for the cell of the point, and the fraction of the range of omega that the
-# envelope allows at that advance ratio.
+# A position (n, 3) contains the number of cells below the point along the advance ratio and along
+# beta, with a fraction for the cell of the point.  Its third value is the fraction of the range of
+# omega that the envelope allows at this advance ratio.
 
 
 def most_position(content: TableContent) -> Floats:

@@ -339,7 +339,7 @@ class LoadTable:
         return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))
 
     def _polar_gradient(self, omega: Floats, speed: Floats, beta: Floats, sign: Floats) -> Floats:
-        """Return derivatives by omega, speed and beta (n, L + 1, 3); ``sign`` -1: mirrored beta."""
+        """Return d/d omega, d/d speed, d/d beta (n, L + 1, 3); ``sign`` is -1 for mirrored beta."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_beta = by_angle * (sign * speed)[:, None]
         return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
@@ -347,7 +347,7 @@ class LoadTable:
     def _velocity_gradient(
         self, omega: Floats, speed: Floats, beta: Floats, vx: Floats, vy: Floats
     ) -> Floats:
-        """Return derivatives by omega and the components of the velocity (n, L + 1, 4)."""
+        """Return d/d omega and d/d components of the velocity (n, L + 1, 4)."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, np.cos(beta), np.sin(beta))
         across = np.hypot(vx, vy)
@@ -401,7 +401,7 @@ def cartesian_slopes(by_speed: Any, by_angle: Any, cosine: Any, sine: Any) -> tu
 
 
 def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
-    """Return derivatives (n, L, k), the first by omega, with those of the power; (n, L + 1, k)."""
+    """Append the derivatives of the power to ``each`` (n, L, k), d/d omega first; (n, L + 1, k)."""
     power = each[:, TORQUE] * omega[:, None]
     power[:, 0] += loads[:, TORQUE]
     return np.concatenate([each, power[:, None]], axis=1)

@@ -72,7 +72,7 @@ class CachedModel:
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Return loads over static loads at one omega (n, m, L); 1 in vortex ring state (n, m)."""
+        """Return loads over static loads at one omega (n, m, L), and 1 in vortex ring (n, m)."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         new = [point for point in grid if point not in known]
@@ -280,7 +280,7 @@ def static_loads(model: CachedModel, omega: Floats) -> Floats:
 # climb tries random steps, which grow after a success and shrink after a failure.  At intervals the
 # search drops the worse half of the climbs, and the remaining climbs try more steps.
 
-OVERHANG = np.array([0.5, 0.5, 0.25])  # samples reach so far outside, and are clipped to the edges
+OVERHANG = np.array([0.5, 0.5, 0.25])  # positions by which samples exceed the edges before clipping
 CLIMBS = 32  # initial climbs per load and 32768 known points
 FEWEST_CLIMBS = 8
 

@@ -31,7 +31,7 @@ INSTANCES = ("I", "C", "Inst", "Instance")
 
 COMMANDS = "RCOU"
 LIMITS = ("MOT_PWM_MIN", "MOT_PWM_MAX")
-"""Message with the pulses to the motors, used without measured speeds, and parameters with their
+"""Message with the motor pulses, for logs without rotor speeds, and parameters with the pulse
 range."""
 
 MOTORS = {

@@ -499,7 +499,7 @@ LONGEST_GAP = 0.25  # longest time [s] between two samples across which a signal
 FASTER = 1.5  # a signal with this many samples per common time or more is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
 """Cut-off of this low-pass in cycles per common time, and order of its Butterworth filter, which is
-applied twice: it removes vibrations that the common times would alias to lower frequencies."""
+applied twice.  It removes vibrations that the common times would alias to lower frequencies."""
 
 
 def flight_log(
@@ -581,8 +581,8 @@ def flight_log(
 
 
 def _driven(recording: Recording) -> tuple[Recording, Signal]:
-    """Return a recording with commands times supply after the default lag as ``rotor_speed``, and
-    their derivatives with respect to the lag."""
+    """Return a recording whose ``rotor_speed`` is the command times the supply, after the default
+    lag, and the derivatives of this product with respect to the lag."""
     signal, supply = recording.rotor_speed, recording.supply
     drive = signal.values
     if supply is not None:

@@ -66,7 +66,7 @@ class Pair:
     least: float  # root mean square below which an axis is not compared
 
     def mismatch(self, which: NDArray[np.bool_] | slice = slice(None)) -> float:
-        """Return the squared difference over the sum of squares, the largest of the axes.
+        """Return the largest ratio over the axes: squared difference over sum of squares.
 
         Only the samples ``which`` count.  The result is NaN if the motion is too small.
         """

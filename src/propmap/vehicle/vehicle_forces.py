@@ -113,8 +113,8 @@ class VehicleForces:
         ----------
         omega : array_like, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].  Negative speeds
-            describe rotors that turn backward; they exclude wakes and require a ``Rotor``, or a
-            table of such rotors.
+            describe rotors that turn backward; they require a vehicle without wakes, and a
+            ``Rotor`` or a table of such rotors.
         velocity : array_like, shape (..., 3)
             Velocity of the center of mass over the ground [m/s].
         rates : array_like, shape (..., 3)
@@ -126,7 +126,7 @@ class VehicleForces:
         Raises
         ------
         InputError
-            For other shapes, negative rotor speeds, and values that are not finite.
+            For other shapes, non-finite values, and negative speeds with wakes or unsuitable loads.
         """
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
@@ -328,7 +328,7 @@ class Rotors:
             loads_at_hubs(self.sources, flow.perturbed(here + by))[0]
             for by in (FLOW_STEP, -FLOW_STEP)
         )
-        # Both flows in one call, since ``changes`` computes its points only once.
+        # Evaluate both flows in one call, since ``changes`` computes its points only once.
         twice = np.tile(np.arange(len(omega)), 2)
         both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), here]))
         every, status = loads_at_hubs(changes, both)

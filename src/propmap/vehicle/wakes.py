@@ -238,7 +238,7 @@ def wake_geometry(
 
 
 def core_wakes(vehicle: Vehicle, wakes: Wakes) -> tuple[Any, Floats]:
-    """Return the wakes for the core; and a vector of the gains, and rho times the disk area."""
+    """Return the wakes for the core, and the gains with rho times the disk area as one vector."""
     radius = vehicle.propeller.radius
     gains = np.array([*astuple(wakes), vehicle.air.density * np.pi * radius**2])
     return _core_wakes(vehicle.mounts, radius, wakes.slipstreams_alone), gains
@@ -297,7 +297,7 @@ def seen_wake(
     c, s = np.cos(towards), np.sin(towards)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
-    # Rounded, so that pairs that differ only by rounding errors share one table.
+    # Round, so that pairs that differ only by rounding errors share one table.
     where = tuple(float(x) for x in np.round([*place, *axis], 9) + 0.0)
     depth = depth_below(source, target, radius)
     acts = depth > 0.0 or not (depth or slipstreams_alone)
