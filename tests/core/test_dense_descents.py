@@ -28,6 +28,8 @@ ONCE_WRONG = (
     Point("uiuc-mit-5x4", True, 1224.6024, 12.144173, 122.36),
     Point("uiuc-apcsp-11x4", False, 429.491768, 2.0795635, 87.13003),
     Point("uiuc-apcsp-11x4", True, 429.491768, 2.0795635, 87.13003),
+    # A kink between two nodes, on the windmill branch.
+    Point("uiuc-apcsp-11x4", False, 384.455245, 9.8259212, 180.0),
     # The root of the blade stalls at negative angles; beyond its middle, the angles are positive.
     Point("law-27", False, 2953.265781, 53.354085, 2.129995),
     # Attached and stalled azimuths alternate, and a scan did not find the attached root.
