@@ -540,17 +540,19 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     return Wakes(**(asdict(vehicle.wakes or Wakes()) | given))
 
 
-SKEWED = 0.5
-"""Least airspeed of a flight over the inflow of hover at which the wakes of a fit are free [-]; at
-slower speeds, wakes are within 27 deg of the rotor axis.  Wakes do not improve a fit to Neural-Fly
-flights up to 0.3, and this fit predicts only a quarter of the thrust at 4.2 m/s."""
+FAST = 0.5
+"""Least airspeed of a flight over the inflow of hover at which wakes and body of a fit are free
+[-].  At slower speeds, wakes are within 27 deg of the rotor axis, and the prior standard deviation
+of an area of the body has a force below 2.5 % of the weight, similar to the error of the thrust.  A
+fit to Neural-Fly flights up to 0.3 uses these terms for errors of the thrust: with wakes, it
+predicts only a quarter of the thrust at 4.2 m/s; with the body, two thirds at 8.5 m/s."""
 
 
-def wakes_interact(vehicle: Vehicle, log: FlightLog) -> bool:
-    """Return whether a flight is fast enough to determine the wakes of several rotors."""
+def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
+    """Return whether a flight is fast enough to determine the wakes and the body."""
     disks = len(vehicle.mounts) * vehicle.air.density * np.pi * vehicle.propeller.radius**2
     inflow = np.sqrt(vehicle.mass * GRAVITY / (2.0 * disks))
-    return len(vehicle.mounts) > 1 and bool(np.nanmax(log.speed) > SKEWED * inflow)
+    return bool(np.nanmax(log.speed) > FAST * inflow)
 
 
 # -------------------------------------------------------------------------------------------------
