@@ -277,8 +277,7 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
 
 
 def body_along_z(vehicle: Vehicle) -> tuple[str, ...]:
-    """Return the terms of the body that the drag of the rotor mounts does not replace."""
-    # The model of a wing already has the force of an inclined plate.
+    """Return the terms of the body that neither rotor mounts nor a wing replace."""
     plate = BODY_PLATE if vehicle.wing is None else "drag_area_z"
     return (plate, "download_area_x", "download_area_y")
 

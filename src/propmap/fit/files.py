@@ -82,11 +82,6 @@ class FitFile:
         [N s^2]; None for a fit that does not use the hover of its flights."""
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
-    @property
-    def undetermined(self) -> dict[str, float]:
-        """Prior standard deviations of zero parameters, for which the flights are too slow."""
-        return dict(self.record.settings.get("undetermined", {}))
-
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
         """Return how far points are outside the data of the fit; None without an envelope.
 

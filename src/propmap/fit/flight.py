@@ -542,10 +542,10 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 FAST = 0.5
 """Least airspeed of a flight over the inflow of hover at which wakes and body of a fit are free
-[-].  At slower speeds, wakes are within 27 deg of the rotor axis, and the prior standard deviation
-of an area of the body has a force below 2.5 % of the weight, similar to the error of the thrust.  A
-fit to Neural-Fly flights up to 0.3 uses these terms for errors of the thrust: with wakes, it
-predicts only a quarter of the thrust at 4.2 m/s; with the body, two thirds at 8.5 m/s."""
+[-].  At slower speeds, wakes are within 27 deg of the rotor axis, and one prior standard deviation
+of the body changes the force by 2.5 % of the weight at most, as errors of the thrust do.  A fit to
+Neural-Fly flights up to 0.3 describes such errors by these terms: with wakes, it predicts only a
+quarter of the thrust at 4.2 m/s; with the body, two thirds of the thrust at 8.5 m/s."""
 
 
 def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
