@@ -226,15 +226,20 @@ def test_what_the_range_of_speeds_cannot_tell() -> None:
     assert "all data are from one speed, 7.0 to 8.0 m/s" in one
 
 
-def test_wakes_are_free_by_default_in_fast_flights() -> None:
-    """Below half of the inflow of hover, the wakes hardly reach other rotors."""
+def test_wakes_and_body_are_free_by_default_in_fast_flights() -> None:
+    """Below half of the inflow of hover, the wakes hardly reach other rotors, and the force of the
+    body is as small as errors of the thrust."""
     disk = vehicle().air.density * np.pi * PROPELLER.radius**2
     inflow = np.sqrt(GRAVITY / 4.0 / (2.0 * disk))
-    slow, fast = (log(((0.0, 0.0, 0.0), (k * inflow, 0.0, 0.0))) for k in (0.49, 0.51))
+    slow, fast, of_one = (
+        log(((0.0, 0.0, 0.0), (k * inflow, 0.0, 0.0))) for k in (0.49, 0.51, 1.02)
+    )
     one = vehicle(mounts=MOUNTS[:1])
-    assert not set(WAKES) & set(free_by_default(vehicle(), slow, level=False))
-    assert set(WAKES) <= set(free_by_default(vehicle(), fast, level=False))
-    assert not set(WAKES) & set(free_by_default(one, fast, level=False))
+    body = {"plate_area", "download_area_x", "download_area_y"}
+    assert not (body | set(WAKES)) & set(free_by_default(vehicle(), slow, level=False))
+    assert body | set(WAKES) <= set(free_by_default(vehicle(), fast, level=False))
+    alone = set(free_by_default(one, of_one, level=False))
+    assert body <= alone and not set(WAKES) & alone
 
 
 def test_a_wing_takes_the_place_of_the_plate_in_fits() -> None:

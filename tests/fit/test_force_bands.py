@@ -94,6 +94,23 @@ def test_errors_beyond_the_data_of_the_fit_are_common_to_all_samples() -> None:
     np.testing.assert_allclose(grown[:, :3], more, atol=1e-12)
 
 
+def test_the_band_contains_the_priors_of_what_slow_flights_do_not_determine() -> None:
+    prior = {"plate_area": 0.01, "download_area_x": 0.02}
+    known, found = (
+        force_errors(flown(settings=settings), VEHICLE, LOG, {})
+        for settings in ({}, {"undetermined": prior})
+    )
+    assert known is not None and found is not None
+    pressure = 0.5 * VEHICLE.air.density
+    plate = pressure * prior["plate_area"] * LOG.speed * LOG.velocity[:, 2]
+    download = pressure * prior["download_area_x"] * LOG.velocity[:, 0] ** 2
+    assert download.max() > 0.5
+    more = found.deviations[:, :3] ** 2 - known.deviations[:, :3] ** 2
+    np.testing.assert_allclose(more[:, 2], plate**2 + download**2, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(more[:, :2], 0.0, atol=1e-12)
+    np.testing.assert_array_equal(found.loads, known.loads)
+
+
 def test_the_share_of_samples_in_the_band() -> None:
     measured = VEHICLE.mass * LOG.specific_force
     model = np.concatenate([measured, np.zeros((len(LOG), 3))], axis=1)

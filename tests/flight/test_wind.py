@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from propmap.cli import main
 from propmap.errors import InputError
-from propmap.fit.files import FitFile
+from propmap.fit.files import FitFile, read_fit
+from propmap.flight.simulate import log_table
 from propmap.flight.wind import (
     FIRST,
     UP,
@@ -25,6 +29,7 @@ from propmap.model.envelope import Envelope
 from propmap.vehicle.log import FlightLog, low_passed
 
 from . import windy
+from .synthetic import vehicle_text
 
 
 def estimated(log: FlightLog, fit: FitFile | None = None) -> WindEstimate:
@@ -201,3 +206,29 @@ def test_beyond_the_data_of_the_fit_the_bands_are_wider() -> None:
     assert set(found.status) <= {"extrapolated", "weak"} and "fitted data" in found.remarks[0]
     assert np.all(np.abs(found.mean - [0.0, -6.0, 0.0]) < found.mean_half_width)
     assert np.all(found.mean_half_width[:2] > 2.0 * known.mean_half_width[:2])
+
+
+def test_a_fit_to_slow_flight_does_not_extrapolate_its_error_of_the_thrust(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In slow flight, a loss of thrust up to 8 % is no force of the body.
+
+    As a force of the body, it would grow with the square of the airspeed, like a vertical wind.
+    """
+    monkeypatch.setitem(windy.PATHS, "slow", (2.0, 0.6, 0.3))
+    slow = windy.flights("slow", np.zeros((1, 3)), seconds=12.0, differing=False)[0].log
+    less = 1.0 - 0.08 * np.minimum(slow.speed / 2.5, 1.0) ** 2
+    slow = replace(slow, specific_force=less[:, None] * slow.specific_force)
+    log, vehicle, fit = (str(tmp_path / name) for name in ("slow.csv", "quad.toml", "fit.toml"))
+    windy.write(slow, Path(log))
+    text = re.sub("(?m)^inertia.*\n", "", vehicle_text(log_table(4)))
+    Path(vehicle).write_text(text)
+    more = ["--vehicle", vehicle, "-o", fit, *windy.QUICK, "--samples", "150"]
+    assert main(["fit", "flight", log, *more]) == 0
+    known = read_fit(Path(fit))
+    assert "plate_area" not in known.record.free
+    true = np.array([0.0, -9.0, 0.0])
+    found = estimated(still("hover", (0.0, -9.0, 0.0)), known)
+    assert np.all(np.abs(found.mean - true) < found.mean_half_width)
+    assert abs(found.mean[2]) < 0.3 and found.mean_half_width[2] < 2.5
+    assert np.mean(np.abs(found.wind - true) <= bands(found.covariance)) > 0.95

@@ -215,8 +215,6 @@ LowPass = Annotated[
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that flights determine."""
 BODY_PLATE = "plate_area"
-BODY_ALONG_Z = (BODY_PLATE, "download_area_x", "download_area_y")
-"""Terms of the body that the drag of the rotor mounts does not replace."""
 
 # Prior standard deviations, divided by a scale: body areas by the area of all disks, mount area by
 # one disk area, positions of accelerometer and center of mass by the mean distance of the hubs,
@@ -261,21 +259,27 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """Return the parameters that a fit to flights varies by default.
 
     Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
-    flights vary ``BLADE``, and the parameters below that apply to the vehicle and the ``log``, the
-    wakes of rotors if ``wakes_interact``.  The drag of the rotor mounts replaces the body drag in
-    the disk plane.
+    flights vary ``BLADE``, and the parameters below that apply to the vehicle and the ``log``.
+    Body and wakes of rotors vary only if the flight ``is_fast``.  The drag of the rotor mounts
+    replaces the body drag in the disk plane.
     """
     if level:
         return PAPER_FOUR
     turning = tuple(parameters.TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
-    wakes = tuple(parameters.WAKES) if flight.wakes_interact(vehicle, log) else ()
+    fast = flight.is_fast(vehicle, log)
+    wakes = tuple(parameters.WAKES) if fast and len(vehicle.mounts) > 1 else ()
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)
-    # The model of a wing already has the force of an inclined plate.
-    body = BODY_ALONG_Z if vehicle.wing is None else ("drag_area_z", *BODY_ALONG_Z[1:])
+    body = body_along_z(vehicle) if fast else ()
     return (*BLADE, *parameters.FLEX, *mount, *body, *flight.OFFSET, *turning, *wakes, *own)
+
+
+def body_along_z(vehicle: Vehicle) -> tuple[str, ...]:
+    """Return the terms of the body that neither rotor mounts nor a wing replace."""
+    plate = BODY_PLATE if vehicle.wing is None else "drag_area_z"
+    return (plate, "download_area_x", "download_area_y")
 
 
 def with_flight_priors(
@@ -386,8 +390,12 @@ def fit_flight(
         asked = replace(asked, free=",".join(free))
     chosen = asked.chosen(default, base, wing, expected)
     chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
+    undetermined = dict[str, float]()
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
+        if not flight.is_fast(file.vehicle, flights.log):
+            left = set(body_along_z(file.vehicle)) - {*chosen.free, *chosen.fixed}
+            undetermined = {name: known[name].deviation for name in sorted(left)}
         if expected is None:
             del known["alpha_0"]
         chosen = with_flight_priors(chosen, known)
@@ -407,6 +415,9 @@ def fit_flight(
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)
     remarks = [*accepted, *flights.remarks, *range_warnings(fitted.rows)]
+    if undetermined:
+        slow = f"the flights are too slow to determine {', '.join(undetermined)}"
+        remarks.append(f"{slow}: the bands of faster flights contain their priors")
     remarks += comparison.residual_trends(fitted, model.log)
     remarks += comparison.unlikely_constants(fitted)
     if body_study:
@@ -429,6 +440,7 @@ def fit_flight(
             "samples": samples,
             "low_pass": 0.0 if flights.level else cutoff,
             "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
+            "undetermined": undetermined,
             "vehicle": file.vehicle.name,
         },
         flights=flown,

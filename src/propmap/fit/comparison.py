@@ -187,10 +187,10 @@ def force_errors(
 ) -> ForceErrors | None:
     """Return forces and moments by a flight fit, and the sources of their errors.
 
-    The sources are the joint covariance of all free parameters, the differences between flights,
-    and the cross-validated error.  The cross-validated error grows with the force on the vehicle,
-    or with V/(Omega R) beyond the data of the fit, if that is more; the latter growth is the same
-    for all samples.  Return None for a fit of other data.
+    The sources are the joint covariance of all free parameters, the priors of the body for a fit
+    of slow flights, the differences between flights, and the cross-validated error.  This error
+    grows with the force, or with V/(Omega R) beyond the data of the fit, if that is more; the
+    latter growth is the same for all samples.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -200,9 +200,10 @@ def force_errors(
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    names = (*known.names, *parameters.PER_FLIGHT)
-    free = tuple(dict.fromkeys(names))
-    loads, by_free = fitted_forces(file, vehicle, log, values, free)
+    # Prior standard deviations of areas of the body, which are zero in fits of slow flights.
+    prior: dict[str, float] = record.settings.get("undetermined", {})
+    names = (*known.names, *prior, *parameters.PER_FLIGHT)
+    loads, by_name = fitted_forces(file, vehicle, log, values, names)
     axis = vehicle.rotor_axes.sum(axis=0)
     axis /= max(float(np.linalg.norm(axis)), 1e-9)
     across = np.pad(loads[:, :3] - np.outer(loads[:, :3] @ axis, axis), ((0, 0), (0, 3)))
@@ -217,12 +218,12 @@ def force_errors(
             size = fitted[name].cross_validated
             size = size if np.isfinite(size) else fitted[name].rms
             left[:, k], extrapolated[k, :, k] = np.sqrt(growth) * size, np.sqrt(further) * size
-    slopes = np.stack([*extrapolated, *(by_free[free.index(name)] for name in names), across])
+    slopes = np.stack([*extrapolated, *by_name, across])
     # The flight differs from the mean over all flights, and the flights of the fit do, too.
     share = 1.0 / max(1, len(record.data) - 1)  # the last item is the vehicle file
     spread = (1.0 + share) * np.square([*parameters.PER_FLIGHT.values(), DRAG_DEVIATION])
     end = 6 + len(known.names)
-    covariance = np.diag(np.concatenate([np.ones(end), spread]))
+    covariance = np.diag(np.concatenate([np.ones(end), np.square([*prior.values()]), spread]))
     covariance[6:end, 6:end] = known.matrix
     return ForceErrors(loads, slopes, covariance, left, every.unknown)
 

@@ -540,17 +540,19 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     return Wakes(**(asdict(vehicle.wakes or Wakes()) | given))
 
 
-SKEWED = 0.5
-"""Least airspeed of a flight over the inflow of hover at which the wakes of a fit are free [-]; at
-slower speeds, wakes are within 27 deg of the rotor axis.  In Neural-Fly flights up to 0.3,
-free wakes do not improve the fit, and the fit predicts only a quarter of the thrust at 4.2 m/s."""
+FAST = 0.5
+"""Least ratio of the airspeed of a flight to the inflow in hover at which wakes and body of a fit
+are free [-].  At slower speeds, wakes are within 27 deg of the rotor axis, and one prior standard
+deviation of the body changes the force by at most 2.5 % of the weight, as errors of the thrust do.
+A fit to Neural-Fly flights up to 0.3 describes such errors by these terms: with wakes, it predicts
+only a quarter of the thrust at 4.2 m/s; with the body, two thirds of the thrust at 8.5 m/s."""
 
 
-def wakes_interact(vehicle: Vehicle, log: FlightLog) -> bool:
-    """Return whether a flight is fast enough to determine the wakes of several rotors."""
+def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
+    """Return whether a flight is fast enough to determine the wakes and the body."""
     disks = len(vehicle.mounts) * vehicle.air.density * np.pi * vehicle.propeller.radius**2
     inflow = np.sqrt(vehicle.mass * GRAVITY / (2.0 * disks))
-    return len(vehicle.mounts) > 1 and bool(np.nanmax(log.speed) > SKEWED * inflow)
+    return bool(np.nanmax(log.speed) > FAST * inflow)
 
 
 # -------------------------------------------------------------------------------------------------
