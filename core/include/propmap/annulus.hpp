@@ -131,20 +131,22 @@ struct Request {
 };
 template <class R>
 void evaluate(const Annuli<R>& of, const Station<Lanes>& at, std::span<const Request> asked, const Azimuths& over) {
-    const auto columns = std::bit_cast<std::array<Lanes, sizeof(at) / sizeof(Lanes)>>(at);
-    auto packed = columns;
-    Lanes inflow;
-    std::array<int, width> lane;  // for each lane of `packed`: the lane of `at` that it contains
-    for (int k = 0; k < width; ++k) lane[k] = k;
     for (std::size_t first = 0; first < asked.size(); first += width) {
+        Lanes inflow;
+        Mask lane;  // for each lane of `packed`: the lane of `at` that it contains
         for (int k = 0; k < width; ++k) {
             const Request& one = asked[std::min(first + k, asked.size() - 1)];
-            inflow[k] = one.sample->inflow;
-            if (lane[k] == one.lane) continue;
-            for (std::size_t c = 0; c < columns.size(); ++c) packed[c][k] = columns[c][one.lane];
-            lane[k] = one.lane;
+            inflow[k] = one.sample->inflow, lane[k] = one.lane;
         }
-        const auto g = of.residual(std::bit_cast<Station<Lanes>>(packed), inflow, over);
+#ifdef __clang__
+        const auto pick = [&](Lanes x) { return each_lane([&](int k) { return x[lane[k]]; }); };
+#else
+        const auto pick = [&](Lanes x) { return __builtin_shuffle(x, lane); };
+#endif
+        const auto turned = [&](const Angle<Lanes>& a) { return Angle<Lanes>{pick(a.sine), pick(a.cosine), {}}; };
+        const Station<Lanes> packed{pick(at.radius), pick(at.chord), turned(at.line), turned(at.drag_line), pick(at.reynolds_per_speed),
+                                    pick(at.inverse_root), pick(at.lift_growth), pick(at.drag_growth)};
+        const auto g = of.residual(packed, inflow, over);
         for (int k = 0; k < width && first + k < asked.size(); ++k)
             asked[first + k].sample->residual = g.v[k], asked[first + k].sample->slope = g.d[0][k];
     }
@@ -369,6 +371,7 @@ inline constexpr double refined_by = 0.012, refined_within = 0.9;
 template <class R>
 void refine_peaks(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, std::array<bool, width>& open,
                   Peak (&peak)[width]) {
+    if (std::find(open.begin(), open.end(), true) == open.end()) return;
     const Lanes reach = refined_by * of.stall_scale() * of.rms_speed(at);
     Sample samples[width][3];
     std::array<Request, 3 * width> asked;

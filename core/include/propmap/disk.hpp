@@ -13,7 +13,7 @@ namespace propmap {
 inline constexpr int most_nodes = 1100;  // 960, the largest number in `Accuracy` (quadrature.hpp), plus two nodes per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
 inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, equal on all processors
-static_assert(width % block == 0);
+static_assert(width == block || width == 2 * block);
 
 // --- Panels and nodes ----------------------------------------------------------------------------------------------
 
@@ -32,12 +32,8 @@ struct Disk {
     double radius(int node) const { return at[node / width].radius[node % width]; }
     int blocks() const { return (nodes + block - 1) / block; }
 
-    // Lanes of a group in which `several_roots` is evaluated: those of every third block of nodes.
-    static Mask every_third_block(int group) {
-        Mask chosen{};
-        for (int k = 0; k < width; ++k) chosen[k] = -((group * width + k) / block % 3 == 0);
-        return chosen;
-    }
+    // Whether `several_roots` is evaluated in a group: in every third pair of blocks.
+    static bool counts_roots(int group) { return group * width / (2 * block) % 3 == 0; }
 
     // Call `each(node, panel, rule, k)` for node k of each panel.  Lanes after the last node repeat its panel and k.
     template <class F> void for_each_node(F each) const {
@@ -170,7 +166,7 @@ template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vec
     for (int g = 0; g < disk.groups; ++g) disk.inflow[g] = attached_guess(of, disk.at[g]);
     if (!all_sure(of.few, 3e-3, 5) || !all_sure(of.psi, close_enough, 6)) return false;
     for (int g = 0; g < disk.groups && !disk.several; ++g)
-        disk.several = several_roots(of, disk.at[g], disk.inflow[g], Disk::every_third_block(g));
+        disk.several = Disk::counts_roots(g) && several_roots(of, disk.at[g], disk.inflow[g], ~Mask{});
     return true;
 }
 
@@ -306,9 +302,10 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     const double reach = 0.12 * of.rotor.tip();  // largest distance to the nearest hump
     if (humps.empty() || !any((at.radius >= humps.front().radius - reach) & (at.radius <= humps.back().radius + reach))) return f;
     Lanes past = broadcast(std::nan("")), below = past;
+    auto after = humps.begin();
     for (int k = 0; k < width; ++k) {
-        const double y = at.radius[k];
-        const auto after = std::lower_bound(humps.begin(), humps.end(), y, [](const Hump& h, double x) { return h.radius < x; });
+        const double y = at.radius[k];  // increases with k
+        while (after != humps.end() && after->radius < y) ++after;
         const Hump& a = after == humps.begin() ? *after : *(after - 1);
         const Hump& b = after == humps.end() ? a : *after;
         if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > reach) continue;
@@ -420,7 +417,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         const Lanes v = disk.inflow[g];
         const Mask sure = disk.ended[g] & surely_largest(of, at, v);
         const Mask found = sure | as_forecast(of, at, forecasts[g], folds.side, v, disk.ended[g] & ~sure);
-        if (!disk.several && !of.windmill) disk.several = several_roots(of, at, v, sure & Disk::every_third_block(g));
+        if (!of.windmill && Disk::counts_roots(g)) disk.several = disk.several || several_roots(of, at, v, sure);
         for (int k = 0; k < width; ++k)
             if (!found[k]) open[left++] = g * width + k;
     }

@@ -68,8 +68,7 @@ template <template <class> class LawOf> class RotorSolver {
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};
         at_rest.psi = azimuths(1);
-        single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
-        place_nodes(rotor_, omega, at_rest.disk);
+        start_at(at_rest, 24);
         solve_nodes(annuli(at_rest), at_rest.disk, {});
         find_loads(at_rest);
         double force = 0.0;
