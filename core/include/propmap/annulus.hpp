@@ -98,8 +98,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
 }
 
 // Return the lanes whose root v is in attached flow at all azimuths and therefore is the largest root.
-// If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, lift is negative; (5) still decreases and (10)
-// still increases up to v_i = 0, if no element stalls in between.  Above v_i = 0, the two thrusts have opposite signs.
+// If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, the lift is negative.  If no element stalls
+// between v and v_i = 0, (5) also decreases and (10) also increases there.  Above v_i = 0, the two thrusts have opposite signs.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
     const auto& f = of.flow;
     const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);  // [rad]: three widths of stall
@@ -213,8 +213,9 @@ template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>&
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
-// Choose the first inflows of a scan: equally spaced inflow angles, closer angles around both stall angles, zero,
-// -V cos(beta), the turning points of (10), and far inflows.  The residual bends most near stall.  No root is outside the outermost inflows.
+// Choose the first inflows of a scan.  Inflow angles are equally spaced, and closer around both stall angles, where the
+// residual bends most.  Further inflows are zero, -V cos(beta), the turning points of (10), and far inflows, beyond which
+// there is no root.
 template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>& at, double speed, Samples& samples) {
     const auto& f = of.flow;
     const double whole = speed + std::fabs(f.v_axial), line = radians(at.line)[0];
@@ -322,7 +323,7 @@ struct Hump {
     double share;          // |height| over the momentum thrust
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
-    double below;          // angle minus stall angle at the first sample below with a positive residual, else NaN
+    double below;          // angle minus stall angle at the first sample below the hump with a positive residual; NaN without such a sample
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
@@ -597,9 +598,10 @@ template <class R> Edge fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const double y = between(low.radius, high.radius), v = between(low.inflow, high.inflow);
         const auto fold = newton_fold(of, low, high, y, v, top, narrowing > 0);
         if (fold && (narrowing >= 6 || same_hump(of, *fold, low.height > 0.0 ? low : high, side))) return *fold;
-        // At 20,000 random oblique points in climb, there was no top between two shoulders.
+        // In climb, stop between two shoulders: at 20,000 random oblique points, there was no top between them.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
-        // At first, the interpolated fold is close.  (With 0.25 always, loads changed at 3 of 10,000 points by 2e-4.)
+        // The interpolated fold is close, so the first two intervals are narrow.  (With a spread of 0.25 in all steps, loads
+        // changed at 3 of 10,000 points by 2e-4.)
         narrow(of, low, high, share(), narrowing < 2 ? 0.05 : 0.25, side);
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }

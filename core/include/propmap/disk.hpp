@@ -103,7 +103,7 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
 // --- Attached flow and Newton's method -----------------------------------------------------------------------------
 
 // Return whether (11) has smaller roots than `inflow`, a root in attached flow, in any of these lanes.  If so, the
-// residual past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
+// residual is negative at some angles past stall.  To save time, the residual for sin(psi) = 0 alone is tested first.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
     if (!any(lanes)) return false;
     const Lanes stall = of.stall_angle(at, 1.0);
@@ -205,8 +205,8 @@ inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, i
 // random points, at one of them by 0.8 % of the static load.)
 inline constexpr double small_height = 0.3, touching_height = 0.04;
 
-// Choose the blocks next to blocks near stall.  Exclude a block if the height of the nearest hump is positive and large,
-// and if more than half of this height remains at the block, extrapolated with the slope.
+// Choose the blocks next to blocks near stall.  Exclude a block on two conditions: the height of the nearest hump is
+// positive and large, and its linear extrapolation to the block is more than half of this height.
 inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>& near_stall, const std::vector<Hump>& humps) {
     std::vector<bool> chosen(disk.blocks());
     for (int b = 0; b < disk.blocks(); ++b) {
@@ -230,7 +230,7 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
     const Cubic cubic(a.height, a.slope * gap, b.height, b.slope * gap);
     const bool crosses = (a.height < 0.0) != (b.height < 0.0);
     const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
-    // An extreme of opposite sign or near zero may hide two folds; between small heights far apart, any extreme may hide two.
+    // An extreme of opposite sign or near zero may hide two folds.  So may any extreme if both heights are small and far apart.
     double t[2];
     for (int e = cubic.extremes(t) - 1; e >= 0; --e) {
         const double there = cubic.at(t[e]);
@@ -251,7 +251,8 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
 template <class R>
 void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
-    // The blade is assumed to stall at the sign of the angle of attack that is largest relative to stall, without inflow.
+    // Divide the angles of attack without inflow by the stall angles of both signs.  The blade is assumed to stall at the
+    // sign with the largest ratio.
     double positive = 0.0, negative = 0.0;
     for (const auto& at : disk.at) {
         const Lanes angle = angle_at(at, of.flow.omega * at.radius, broadcast(of.flow.v_axial));

@@ -61,7 +61,7 @@ template <template <class> class LawOf> class RotorSolver {
     using Modeled = Rotor<double, LawOf>;
 
     RotorSolver(Modeled rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Tails are divided by the static loads over Omega^2.  If the blade stalls in static
+        // Tails are compared with static loads, stored divided by Omega^2.  If the blade stalls in static
         // operation, static loads are small.  The solver therefore assumes mean coefficients of at least 0.1 (lift) and
         // 0.01 (force against the rotation).
         const double omega = 100.0 / rotor_.tip();
@@ -169,7 +169,8 @@ template <template <class> class LawOf> class RotorSolver {
         solve_nodes(of, s.disk, s.folds);
     }
 
-    // The larger of the tails of thrust and torque, relative to the static load at Omega or, if larger, at V/R.
+    // The larger of the tails of thrust and torque, relative to the static load at Omega.  If V/R is larger, the static
+    // load is that at the rotational speed V/R.
     double tail_share(const Solution& s) const {
         const auto& f = s.flow;
         const double wind = (f.v_axial * f.v_axial + f.v_inplane * f.v_inplane) / (rotor_.tip() * rotor_.tip());
