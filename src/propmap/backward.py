@@ -34,8 +34,8 @@ assumption, because no measurement of a propeller that turns backward was found.
 def more_twist(model: Model) -> tuple[float, float]:
     """Return the additional twist [rad] of the upside-down blades, with and without camber.
 
-    If the section law has a period of half a turn, the half turn has no effect and is omitted.  The
-    core then uses the same nodes in both directions.  The loads are equal except for rounding.
+    If the section law has a period of pi, an additional twist of pi has no effect and is omitted.
+    The core then uses the same nodes in both directions.  The loads are equal except for rounding.
     """
     law, half = model.airfoil, np.pi
     if isinstance(law, Airfoil):

@@ -2,9 +2,9 @@
 
 The sources are independent.  The difference between specimens or runs is estimated from held-out
 runs of UIUC's tunnel.  The error of the theory in oblique flow is estimated from campaigns in two
-other tunnels.  The bands exclude balance errors; the static thrust on other stands differs from
-UIUC's by about 10 %.  ``python -m tools.coverage`` computes the numbers below, and coverage, width
-and score of the bands.
+other tunnels.  The bands exclude errors of the force balance.  The static thrust on other test
+stands differs from that in UIUC's tunnel by about 10 %.  ``python -m tools.coverage`` computes the
+numbers below, and coverage, width and score of the bands.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ NEAR_GROUND = 0.05
 It decreases with the distance in proportion to the effect."""
 
 BLADE_DRAG_SHARE = 0.10
-"""Standard deviation of the drag of bare blades over the drag.  The drag is within about 20 % of a
+"""Relative standard deviation of the drag of bare blades.  The drag is within about 20 % of a
 free-wake lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."""
 
 
@@ -97,7 +97,8 @@ def _by_parameters(known: SectionUncertainty, derivatives: Derivatives) -> dict[
     if known.with_blade is None:
         return {"parameters": np.sqrt(variance(whole))}
     # The covariances with and without a measured blade are estimated separately, so the first may
-    # exceed the second.  Clipping and subtraction make the two variances add up to the total.
+    # exceed the second.  The variance of the section constants is therefore limited to the total;
+    # the rest of the total is the variance of the geometry.
     total = variance(whole)
     own = np.minimum(variance(known.with_blade), total)
     return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
@@ -168,7 +169,7 @@ def _installation(model: Model, mount: Installed, at: FlowPoints, loads: Floats)
 
 
 def _advance(model: Model, at: FlowPoints) -> Floats:
-    """Return V sin(beta) over the resultant of tip speed and V sin(beta) [-] (N,)."""
+    """Return V sin(beta) divided by the resultant of tip speed and V sin(beta) [-] (N,)."""
     tip = np.hypot(at.omega * model.propeller.radius, at.v_inplane)
     return np.divide(at.v_inplane, tip, out=np.zeros_like(tip), where=tip > 0.0)
 

@@ -18,7 +18,7 @@ from propmap.rotor import Rotor
 from propmap.tasks import cores
 from propmap.typing import Floats
 
-STEP = 2e-6  # step of the central differences in ``linearize``, over tip speed plus airspeed
+STEP = 2e-6  # step of the central differences in ``linearize``, divided by tip speed plus airspeed
 
 
 class DynamicInflow:
@@ -43,8 +43,7 @@ class DynamicInflow:
     Attributes
     ----------
     size : int
-        Number of values in a state: 3 harmonics and 24 annuli, or up to 192 annuli if the blades
-        stall abruptly.
+        Number of values in a state: 3 harmonics and 24 annuli, up to 192 for an abrupt stall.
 
     Raises
     ------
@@ -219,9 +218,10 @@ class DynamicInflow:
         omega: ArrayLike,
         velocity: ArrayLike,
     ) -> tuple[Floats, Floats]:
-        """Return states after ``dt``, or rates if ``dt`` is Ellipsis, or steady states if both are.
+        """Return the states after ``dt``; if ``dt`` is Ellipsis, return the rates.
 
-        Also return rows (..., 17) of force, moment, and the core's results for ``Loads``.
+        If ``state`` and ``dt`` are Ellipsis, return the steady states.  Also return rows (..., 17)
+        of force, moment, and the core's results for ``Loads``.
         """
         found: tuple[Floats, Floats]
         found = self.rotor._core.inflow_motion(state, dt, omega, velocity, self._sign, cores())

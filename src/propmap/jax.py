@@ -29,8 +29,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
     rotor : Rotor
         The rotor; constant in a compiled function.
     omega, v_axial, v_inplane : array, shape (...)
-        Rotational speed >= 0 [rad/s], V cos(beta) [m/s] and V sin(beta) >= 0 [m/s]; the three
-        arrays broadcast.
+        Rotational speed >= 0 [rad/s], V cos(beta) [m/s] and V sin(beta) >= 0 [m/s]; broadcast.
 
     Returns
     -------

@@ -278,7 +278,7 @@ class SearchReport:
 
 
 def _load_values(of: Callable[[str], Any]) -> LoadValues:
-    """Return ``LoadValues`` whose fields are the results of ``of`` for their names."""
+    """Return ``LoadValues`` with the value ``of(name)`` in each field."""
     return LoadValues(**{each.name: of(each.name) for each in fields(LoadValues)})
 
 

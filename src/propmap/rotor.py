@@ -135,11 +135,12 @@ class Rotor:
             Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
         **further
-            ``height`` of the disk above level ground, and distance of a level ``ceiling`` above the
-            disk [m], 0.3 R or more; None if far away.  The ground multiplies the thrust by
-            1 + 0.424 exp(-h/0.686R)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow.  The
-            factor of the ceiling is 1 + 0.148 exp(-c/1.61R)/(1 + (V sin(beta)/v_i)^2).  Both are
-            fitted to static thrust (docs/theory.md).  The other loads do not change.
+            ``height`` is the distance of the disk above level ground.  ``ceiling`` is the distance
+            of a level ceiling above the disk [m].  Both are at least 0.3 R; None if far away.  The
+            ground multiplies the thrust by 1 + 0.424 exp(-h/0.686R)/(1 + (V sin(beta)/v_i)^2),
+            where v_i is the mean inflow.  The factor of the ceiling is 1 + 0.148 exp(-c/1.61R)/(1 +
+            (V sin(beta)/v_i)^2).  Both are fitted to static thrust (docs/theory.md).  The other
+            loads do not change.
 
         Raises
         ------
@@ -266,10 +267,11 @@ class Rotor:
     ) -> tuple[Floats, Floats]:
         """Return the thrust of fully attached blades: a fast initial estimate.
 
-        Each annulus has the Glauert inflow (10) for the lift at small angles of attack, without
-        drag, tip loss or stall.  Partly stalled blades have less thrust in the full solution, in
-        hover by up to 40 %.  In descent, momentum theory has several solutions or none.  The search
-        starts above the largest one.  Without a solution, the result is not reliable.
+        The inflow of each annulus follows from Glauert's momentum theory, eq. (10) of the paper,
+        and the lift at small angles of attack.  Drag, tip loss and stall are neglected.  For partly
+        stalled blades this estimate is too large: in hover, the full solution has up to 40 % less
+        thrust.  In descent, momentum theory has several solutions or none.  The search starts above
+        the largest one.  Without a solution, the result is not reliable.
 
         Parameters
         ----------

@@ -94,8 +94,8 @@ def test_the_search_is_equation_18() -> None:
     assert float(minimum.residual @ minimum.residual) == pytest.approx(least, rel=1e-6)
 
 
-@pytest.mark.parametrize(("area", "pays"), [(0.03, True), (0.0, False)])
-def test_body_terms_pay_where_they_act(area: float, pays: bool) -> None:
+@pytest.mark.parametrize(("area", "improves"), [(0.03, True), (0.0, False)])
+def test_body_terms_pay_where_they_act(area: float, improves: bool) -> None:
     """Section III.A: lift and drag of the body are kept only where the data ask for them."""
     rng = np.random.default_rng(3)
     columns = dict(zip(("c_l1", "alpha_0", "lift_area"), rng.normal(size=(3, 40)), strict=True))
@@ -109,4 +109,4 @@ def test_body_terms_pay_where_they_act(area: float, pays: bool) -> None:
 
     fitted: Fitted = fit(rows, TWO, Settings(starts=1, folds=0))
     (lift,) = (text for text in body_terms_verdict(fitted, rows_for) if "lift_area" in text)
-    assert lift.startswith("lift_area pays" if pays else "lift_area does not pay")
+    assert lift.startswith("lift_area improves" if improves else "lift_area does not improve")

@@ -201,7 +201,10 @@ def performance(
 
 
 def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[str, Floats]:
-    """Return standard deviations for ``NamedState``; ``speed_std`` is valid at the ``limit``."""
+    """Return standard deviations for ``NamedState``.
+
+    ``speed_std`` is valid only for the state at the ``limit``.
+    """
     sure = spread(aircraft, states)
     if sure is None:
         return {}
@@ -209,7 +212,7 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     more, less = (endurance(aircraft, states, sign * sure.power) for sign in (1.0, -1.0))
     found["endurance_std"] = 0.5 * (less - more)
     if limit in sure.used:
-        # Standard deviation of the share of the limit, divided by its slope over speed.
+        # Standard deviation of the share of the limit, divided by its slope with respect to speed.
         slope = Responses(aircraft, states).to_flight("speed").used[limit]
         found["speed_std"] = np.divide(
             sure.used[limit], np.abs(slope), out=np.full_like(slope, math.nan), where=slope != 0.0
@@ -249,7 +252,9 @@ CLOSE, NARROW = 2e-3, 0.1
 """Final width of the search interval as a share of its speed, and distance of new speeds from the
 expected top speed, as a share of the interval."""
 
-WITHIN = 0.999  # used share of the last interval, so that rounding errors do not exceed the limit
+WITHIN = 0.999
+"""Position of the returned speed in the interval from the last possible speed to the interpolated
+top speed; below 1, so that rounding does not exceed the limit."""
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
@@ -305,8 +310,7 @@ def searched(
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
-    """Return the speed at which the share of a limit reaches 1 between ``low`` and ``high``; NaN if
-    not known."""
+    """Return the speed from ``low`` to ``high`` at which the share of a limit is 1, or NaN."""
     if why not in states.used:
         return math.nan
     k = int(np.argmin(np.abs(states.speed - low)))
@@ -357,7 +361,7 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
         ("battery_current_A", states.battery_current, "A", "current of the battery"),
         ("battery_voltage_V", states.battery_voltage, "V", "voltage under load"),
         ("thrust_margin", states.thrust_margin, "1",
-         "maximum thrust over required thrust"),
+         "maximum thrust divided by required thrust"),
         ("residual", states.residual, "1", "unbalanced share of the weight"),
     )  # fmt: skip
     found = {name: StateColumn(values, unit, words) for name, values, unit, words in table}

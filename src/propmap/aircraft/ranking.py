@@ -462,8 +462,8 @@ class Task:
     Raises
     ------
     InputError
-        For an unknown name or measure, a thrust margin below 1, a speed that is not positive or is
-        missing, and a mission that is missing or belongs to another task.
+        For an unknown name or measure, or a thrust margin below 1.  For a speed that is missing or
+        not positive.  For a mission that is missing or belongs to another task.
     """
 
     name: str

@@ -328,8 +328,11 @@ class Responses:
     def _implied(
         self, residual: Floats, torque: Floats | None = None, flown: str | None = None
     ) -> StateChange:
-        """Return the response to a change that leaves ``residual`` (n, u) and adds ``torque``
-        (n, k) [N m] at constant unknowns; ``flown`` names a change of the flight."""
+        """Return the response to a change.
+
+        At constant unknowns, the change causes the unbalanced shares ``residual`` (n, u) and adds
+        ``torque`` (n, k) [N m].  ``flown`` names the changed quantity of the flight, if any.
+        """
         dx = -np.einsum("nur,nr->nu", self._inverse, residual)
         dq = np.einsum("nku,nu->nk", self._torque, dx)
         if torque is not None:
@@ -368,7 +371,7 @@ class Responses:
 
 
 class LoadChange:
-    """Change number ``d`` of the loads as a source of loads; ``known`` stores all changes."""
+    """Source of loads that returns load change number ``d``; ``known`` stores all load changes."""
 
     def __init__(self, at: ChangesAt, known: list[Floats], d: int) -> None:
         self.at, self.known, self.d = at, known, d

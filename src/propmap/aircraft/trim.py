@@ -28,9 +28,10 @@ from propmap.vehicle.wakes import cross
 STEEPEST_BANK = math.radians(80.0)
 
 SOLVED, ACCEPTED = 1e-10, 1e-8
-"""Imbalance at the end of a search, and largest imbalance of a balanced state, over the weight."""
+"""Imbalance at the end of a search, and largest one of a balanced state, divided by the weight."""
 
-EXTRAPOLATED = 2.0  # largest extrapolation of known states for a start, in intervals
+# Largest position of extrapolated initial values; two known states have the positions 0 and 1.
+EXTRAPOLATED = 2.0
 SLOWEST, FASTEST = 0.2, 20.0
 """Least and largest factor on rotor speeds in the search for the thrust margin."""
 
@@ -260,8 +261,7 @@ class Aircraft:
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return the maximum thrust over the present thrust (n,), with a common factor
-        on all rotor speeds."""
+        """Return maximum thrust / present thrust (n,) for a common factor on all rotor speeds."""
         count, rotors = omega.shape
 
         def at(factors: Floats) -> tuple[Floats, Floats]:
@@ -333,7 +333,7 @@ class Balanced(NamedTuple):
     hubs: Floats  # velocities of the hubs, (n, k, 3) [m/s]
     wrenches: RotorWrenches
     moment: Floats  # moment that control surfaces have to balance, (n, 3) [N m]
-    unbalanced: Floats  # force over weight, moments over weight times arm, (n, u) [-]
+    unbalanced: Floats  # forces / weight, moments / (weight times arm), (n, u) [-]
 
     @property
     def residual(self) -> Floats:
@@ -393,8 +393,7 @@ class SteadyBalance:
     ) -> Balanced:
         """Return attitude and rotor speeds of n flights, unbalanced by at most ``tolerance``.
 
-        The search starts from the unknowns ``first`` (n, u), by default an estimate from hover and
-        body drag.
+        The search starts from the unknowns ``first`` (n, u), by default from hover and body drag.
         """
         if first is None:
             area = self.vehicle.body.drag_area[0]
@@ -579,8 +578,7 @@ def _newton(
 
 
 def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
-    """Return inverses (m, u, u) updated by Broyden's rule for the ``change`` of residuals over a
-    ``step``."""
+    """Return inverses (m, u, u) updated by Broyden's rule for a ``step`` and its ``change``."""
     missed = step - np.einsum("mij,mj->mi", inverse, change)
     along = np.einsum("mi,mij->mj", step, inverse)
     size = np.einsum("mi,mi->m", along, change)[:, None, None]
@@ -589,15 +587,15 @@ def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Flight on a wing: starts of a search, and the stall speed.
+# Flight on a wing: initial values of a search, and the stall speed.
 
-ATTACHED = 0.6  # largest angle of attack of a start, over ``alpha_0``
-ADVANCE = 0.2  # speed over tip speed of a start
+ATTACHED = 0.6  # largest angle of attack of the initial values, divided by ``alpha_0``
+ADVANCE = 0.2  # airspeed of the initial values, divided by the tip speed
 ANGLES = 181  # number of angles from 0 to twice ``alpha_0`` in the search for the largest lift
 
 
 def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Floats:
-    """Return starts (n, u) of flights carried by the wing, for ``SteadyBalance.solve``."""
+    """Return initial values (n, u) of flights carried by the wing, for ``SteadyBalance.solve``."""
     vehicle = balance.vehicle
     speed = np.maximum(np.hypot(flight.speed, flight.climb), 1e-3)
     slope = 0.5 * vehicle.air.density * speed**2 * wing.area * wing.c_l1
@@ -642,8 +640,8 @@ INVERTED = (
 )
 
 JUMP = 2e-3
-"""Largest permitted imbalance of a state over the weight.  The loads jump at speeds at which the
-number of nodes of a rotor changes."""
+"""Largest permitted imbalance of a state, divided by the weight.  The loads jump at speeds at
+which the number of nodes of a rotor changes."""
 
 NOT_FOUND, STALL, OUTSIDE_TABLE = "no_trim", "stall", "outside_table"
 VORTEX_RING, COARSE = "vortex_ring", "coarse"

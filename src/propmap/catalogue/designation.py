@@ -61,7 +61,7 @@ WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
 """Titles of series with measured loads but without a measured blade, by code of the series."""
 
 _UNIT = r"(?:\s*(mm|cm|m|in)(?![a-wyz]))?"
-# A diameter of four digits requires a pitch of three, because 5040x3 means three blades.
+# A diameter of four digits requires a pitch of three digits, because 5040x3 means three blades.
 _SIZE = re.compile(
     rf"(?<![\d.x])(\d{{1,3}}(?:\.\d+)?|\d{{4}}(?=[ mx]+\d{{3}})){_UNIT}\s*x\s*"
     rf"(\d{{1,4}}(?:\.\d+)?){_UNIT}(?:\s*x\s*(\d+){_UNIT})?(?![\d.]|x\d)"

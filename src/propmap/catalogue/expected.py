@@ -341,8 +341,8 @@ def siblings(family: str | None, without: str | None = None) -> int:
 def size_of(meant: Meant, blade: Propeller) -> Size:
     """Return diameter and pitch [m] from the label of a result of ``lookup.meant_by``.
 
-    For a file, ``meant`` is None and the size is computed from the blade, whose pitch at 0.75 R
-    exceeds labels by 3 % of the diameter on average.
+    For a file, ``meant`` is None and the size is computed from the blade.  The pitch at 0.75 R
+    exceeds the labeled pitch by 3 % of the diameter on average.
     """
     if isinstance(meant, ExpectedBlade):
         return meant.wanted.diameter, meant.wanted.pitch
@@ -369,7 +369,7 @@ def _members(family: str | None, geometry: str) -> list[Member]:
 
 
 def on_measured_blade(one: Identified) -> Member:
-    """Return the member for ``one``, with constants for a measured blade.
+    """Return the likelihood of ``one``, with constants for a measured blade.
 
     Constants identified with the blade of a manufacturer's file are shifted.
     """
@@ -398,13 +398,13 @@ def _by_difference(of: apc.Difference) -> tuple[Floats, Floats]:
 
 
 def on_mean_blade(one: Identified, shape: MeanBlade) -> Member:
-    """Return the member for ``one``, shifted from its own blade to a mean blade."""
+    """Return the likelihood of ``one``, shifted from its own blade to a mean blade."""
     mean = shape.propeller(one.tested, one.diameter_m, one.pitch_m, one.blades)
     return member(one).shifted(equivalent(catalogue.load(one.propeller), mean))
 
 
 def member_without_blade(one: Identified) -> Member:
-    """Return the member for ``one``, which was identified on the mean blade of all families."""
+    """Return the likelihood of ``one``, which was identified on the mean blade of all families."""
     return member(one, family_prior([], bundled_population("population"), one.size))
 
 
@@ -416,16 +416,16 @@ def _of_constants(prior: PopulationPrior) -> SectionCovariance:
 # -------------------------------------------------------------------------------------------------
 # Mean blade of one series of propellers, or of several.
 #
-# Within a series, chord over radius, and twist minus the screw angle of the labeled pitch, depend
+# Within a series, chord / radius, and twist minus the screw angle of the labeled pitch, depend
 # little on the size.  Their means over the measured blades of a series, or over all series with
 # equal weight, define a blade of any size.
 
 SHARES = np.linspace(0.15, 1.0, 18)
-"""Radii over the tip radius at which blades are averaged: the stations of most measured blades."""
+"""Radii in tip radii at which blades are averaged: the stations of most measured blades."""
 
 
 class MeasuredShape(NamedTuple):
-    """A blade without its size: chord over the tip radius [-], and twist minus ``screw_angle``
+    """A blade without its size: chord divided by tip radius [-], and twist minus ``screw_angle``
     [rad], (18,) at ``SHARES``; NaN inside the first measured station."""
 
     family: str  # code of its series
@@ -440,8 +440,8 @@ class MeanBlade:
 
     families: tuple[str, ...]
     propellers: int  # number of measured propellers
-    share: Floats  # radii over the tip radius, from the radius where most blades begin
-    chord: Floats  # over the tip radius [-]
+    share: Floats  # radii divided by the tip radius, from the radius where most blades begin
+    chord: Floats  # divided by the tip radius [-]
     offset: Floats  # twist minus the screw angle of the labeled pitch [rad]
 
     def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
@@ -523,8 +523,9 @@ def _mean(some: Floats) -> Floats:
 # Equivalent section constants for another blade.
 #
 # A factor on the chord at all stations acts like this factor on the force coefficients.  An angle
-# added to the twist at all stations acts like section angles smaller by this angle.  So a change of
-# the constants represents the uncertainty of the blade.
+# added to the twist at all stations acts like a decrease of the zero-lift angle by this angle; the
+# other angles of the section law are measured from the zero-lift angle.  So a change of the
+# constants represents the uncertainty of the blade.
 
 INNERMOST = 0.3  # share of the radius outside which blades are compared
 
@@ -537,8 +538,8 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
     """Return the change of coordinates (P,) from a ``blade`` to the ``other``, for equal loads.
 
     It consists of the logarithm of the mean chord ratio, and of minus the mean difference of the
-    twist [rad].  Radius squared and the chord of ``other`` weight both means.  Both blades have the
-    same radius.
+    twist [rad].  Both means are weighted by the squared radius times the chord of ``other``.  Both
+    blades have the same radius.
     """
     share = other.station / other.radius
     share = share[share >= INNERMOST]
@@ -687,14 +688,13 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
 # The coordinates of a propeller are the sum of the mean of its family, a trend with size common to
 # all families, and a deviation.  Within a family, deviations correlate for similar sizes.
 
-MIDDLE = (0.2286, 0.6)  # reference size of a family's mean: diameter [m], pitch over diameter
+MIDDLE = (0.2286, 0.6)  # reference size of a family's mean: diameter [m], pitch / diameter
 
 LIKENESS_WIDTH = (0.4, 0.3)
 """Widths of the Gaussian correlation of deviations within a family, in the logarithm of diameter
-and in pitch over diameter.  They and ``OWN_SHARE`` maximize the likelihood of all three populations
-on a grid."""
+and in pitch / diameter.  They and ``OWN_SHARE`` maximize the likelihood of all populations."""
 
-OWN_SHARE = 0.25  # share of the variance within families that members of equal size do not share
+OWN_SHARE = 0.25  # fraction of the variance within families not common to members of equal size
 
 GEOMETRIES = ("measured", "family", "population")  # origins of blades, see ``Identified.geometry``
 Size = tuple[float, float]  # labeled diameter and pitch [m]
@@ -719,7 +719,7 @@ class Population:
 
 
 def covariates(size: Size) -> Floats:
-    """Return log diameter and pitch over diameter of a size relative to ``MIDDLE``, (2,)."""
+    """Return log diameter and pitch / diameter of a size relative to ``MIDDLE``, (2,)."""
     diameter, pitch = size
     return np.array([np.log(diameter / MIDDLE[0]), pitch / diameter - MIDDLE[1]])
 

@@ -110,8 +110,7 @@ def export(
 ) -> None:
     """Export rotor loads to simulators, flight code and autopilots.
 
-    For a fit, a propeller or a vehicle, the command builds the table if the output format requires
-    a table.
+    For a fit, a propeller or a vehicle, the command builds the table if the format requires one.
 
     Except for cpp, the command also writes a README with the errors of the format.
     """

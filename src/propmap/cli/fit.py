@@ -108,7 +108,7 @@ class FitChoice:
         Option(
             "--accept",
             help="Write the fit even if an rms error exceeds a third of the rms thrust, vertical "
-            "force or torque, or if two section constants are at their bounds.",
+            "force or torque. Also write it if two section constants are at their bounds.",
         ),
     ] = False
 

@@ -208,8 +208,8 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter of the signals, except for steady "
-        "segments; 0 for no filter (default: 6).",
+        help="Cut-off frequency in Hz of the low-pass filter of the signals; 0 for no filter "
+        "(default: 6). Steady segments are not filtered.",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")

@@ -18,7 +18,10 @@ from propmap.vehicle.files import read_vehicle
 
 
 def wind(
-    fit: Annotated[Path, Argument(metavar="FIT.toml", help="Fit of fit flight --method balance.")],
+    fit: Annotated[
+        Path,
+        Argument(metavar="FIT.toml", help="Fit file from `propmap fit flight --method balance`."),
+    ],
     log: Annotated[
         Path, Argument(metavar="LOG", help="Flight log (CSV, Parquet, ULog, DataFlash, bag).")
     ],
@@ -29,11 +32,11 @@ def wind(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """Estimate the wind over a flight from the forces on the vehicle, with 95 % bands.
+    """Estimate the wind over a flight, with 95 % bands.
 
-    The command ignores a wind in the vehicle file. CSV and JSON contain the wind at all samples. If
-    the log contains a measured airspeed (air_speed in [log.columns]), the command compares the
-    measured airspeed with the estimate.
+    The estimate follows from the forces on the vehicle. The command ignores a wind in the vehicle
+    file. CSV and JSON contain the wind at all samples. If the log contains a measured airspeed
+    (air_speed in [log.columns]), the command compares it with the estimate.
     """
     out.check_pictures(picture)
     form = out.chosen_format(format_, output)

@@ -50,7 +50,7 @@ EXPORTS = (
            "everything: loads, gradient, inverse, status, wrench, inflow lag"),
     Export("multinomial", "table", "simple_models.multinomial_files", "polynomials in Python and C",
            _BILINEAR, "stall, fast descent, Reynolds number"),
-    Export("gazebo", "table", "gazebo.table_files", "motor models of two rotors in SDF",
+    Export("gazebo", "table", "gazebo.table_files", "motor models in SDF",
            "static thrust and torque, linear drag and rolling moment",
            "change of thrust and torque with airspeed, side force, pitching moment"),
     Export("gazebo", "vehicle", "gazebo.vehicle_files", "motor models of all rotors in SDF",

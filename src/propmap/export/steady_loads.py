@@ -49,8 +49,7 @@ class InplaneForces:
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
     """Trim an aircraft in level flight forward or to the left at ``speeds`` (n,) above 0 [m/s].
 
-    Raises ``InputError`` if the aircraft cannot hover with thrust along z, or can fly fewer than
-    two of the speeds.
+    Raises ``InputError`` if the aircraft cannot hover with thrust along z or fly two of them.
     """
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
@@ -141,8 +140,7 @@ def _turned(aircraft: Aircraft) -> Aircraft:
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
     """Return the errors (E, n) of the specific force against the motion along x.
 
-    For each error, all rotor speeds change until the lift is unchanged, at constant attitude and
-    flow.
+    For each error, all rotor speeds change at constant attitude and flow to keep the lift.
     """
     vehicle = aircraft.vehicle
     axes = np.array([mount.axis for mount in vehicle.mounts])
@@ -215,8 +213,7 @@ def fit_drag(
 ) -> tuple[Floats, Floats]:
     """Fit m [1/s], b along x and b along y [m^2/kg] to all flights, with their errors (E, 3).
 
-    ``square`` returns q [m^2/s^2] of a flight.  No constant is negative, and values of b below
-    ``least`` are 0.
+    ``square`` returns q [m^2/s^2] of a flight.  No constant is negative; b below ``least`` is 0.
     """
     from scipy.optimize import nnls
 

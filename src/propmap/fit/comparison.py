@@ -79,8 +79,7 @@ def compare_tunnel(
     -------
     dict of str to SpeedErrors
         Errors of the rotor and of its hover model, by the name of the load with its unit, for each
-        measured load.  The hover model predicts only thrust and torque; its other loads are
-        zero.
+        measured load.  The hover model predicts thrust and torque; its other loads are zero.
     """
     rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
@@ -174,7 +173,7 @@ def fitted_forces(
     """Return forces and moments by a flight fit, and derivatives with respect to ``names``; the
     parameters ``values`` replace those of the fit."""
     record, law = file.record, parameters.constants_of(file.airfoil)
-    # Without those of single flights: another flight may have the same name.
+    # Exclude the parameters of single flights, because another flight may have the same name.
     every = [p for p in record.parameters if parameters.general(p.name) == p.name]
     found = {p.name: p.value for p in every}
     own = {name: getattr(law, name) for name in parameters.SECTION}
@@ -189,8 +188,9 @@ def force_errors(
 
     The sources are the joint covariance of all free parameters, the priors of the body for a fit
     of slow flights, the differences between flights, and the cross-validated error.  This error
-    grows with the force, or with V/(Omega R) beyond the data of the fit, if that is more; the
-    latter growth is the same for all samples.  Return None for a fit of other data.
+    grows with the force on the vehicle.  Beyond the data of the fit, it grows with V/(Omega R) if
+    this growth is larger; the additional part is fully correlated between all samples.  Return None
+    for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -219,7 +219,7 @@ def force_errors(
             size = size if np.isfinite(size) else fitted[name].rms
             left[:, k], extrapolated[k, :, k] = np.sqrt(growth) * size, np.sqrt(further) * size
     slopes = np.stack([*extrapolated, *by_name, across])
-    # The flight differs from the mean over all flights, and the flights of the fit do, too.
+    # This flight and the flights of the fit differ from the mean over all, so both variances add.
     share = 1.0 / max(1, len(record.data) - 1)  # the last item is the vehicle file
     spread = (1.0 + share) * np.square([*parameters.PER_FLIGHT.values(), DRAG_DEVIATION])
     end = 6 + len(known.names)
@@ -369,15 +369,16 @@ class ForwardTrust:
     advance: Floats  # V / (n D) [-], (m,)
     beta: Floats  # angle beta [rad], (m,)
     load: Floats  # thrust [N] and torque [N m] after the fit, (m, 2)
-    # Standard deviations over the loads [-], (m, 2); NaN for loads near zero, infinite without a
-    # prior.
+    # Standard deviations / loads [-], (m, 2); NaN for loads near zero, infinite without a prior.
     before: Floats
     after: Floats
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """Return the uncertainty at rest and in axial and edgewise flow, before and after a fit of a
-    ``model``: first-order sqrt(g' S g) of the free constants, combined with ``MODEL_ERROR``."""
+    """Return the uncertainty before and after a fit, at rest and in axial and edgewise flow.
+
+    It combines the error sqrt(g' S g) of the free constants of ``model`` with ``MODEL_ERROR``.
+    """
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
@@ -429,7 +430,7 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # Effect of one more free parameter on a fit: wrong assumptions, terms of the body.
 
-REMARKABLE = 0.7  # residuals without an assumption, over those with it, that cause a remark
+REMARKABLE = 0.7  # ratio of residuals without to with an assumption below which a remark is made
 POOR = 0.03  # relative residual above which assumptions are checked
 
 ASSUMPTIONS = {
@@ -440,12 +441,15 @@ ASSUMPTIONS = {
 
 BODY_TERMS = ("lift_area", "drag_area_x")
 
-LEAST_FALL = 0.05  # least relative fall of the residuals for which a term of the body pays
+LEAST_FALL = 0.05  # least relative decrease of the residuals if a term of the body improves the fit
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
-    """Return sentences on the assumptions of the section law without which the residuals of a poor
-    fit fall by 30 % or more; ``rows_for`` returns the rows for another choice."""
+    """Return a sentence for each wrong assumption of the section law.
+
+    An assumption is wrong if the residuals of a poor fit decrease by more than 30 % without it.
+    ``rows_for`` returns the rows for another choice of parameters.
+    """
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
@@ -466,9 +470,11 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], 
 
 
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
-    """Return sentences on whether lift and drag of the body (section III.A) pay in a flight fit
-    without them: the interval must exclude zero, and the residuals must fall; ``rows_for`` returns
-    the rows for another choice."""
+    """Return sentences on whether lift and drag of the body improve a fit that excludes them.
+
+    Section III.A defines the terms.  A term improves the fit if its interval excludes zero and the
+    residuals decrease.  ``rows_for`` returns the rows for another choice of parameters.
+    """
     sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
@@ -481,17 +487,17 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], R
         fall = 0.0 if not size > 0.0 else 1.0 - rms(again.residual) / size
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
         nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
-        pays = "pays" if nonzero and fall > LEAST_FALL else "does not pay"
+        verdict = "improves" if nonzero and fall > LEAST_FALL else "does not improve"
         sentences.append(
-            f"{name} {pays}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
-            f"residuals {-100.0 * fall:+.1f} %, the other parameters move by at most "
-            f"{shift:.2f} of their spread"
+            f"{name} {verdict} the fit: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to "
+            f"{sure.high[-1]:.2g}), residuals {-100.0 * fall:+.1f} %, the other parameters move by "
+            f"at most {shift:.2f} of their spread"
         )
     return sentences
 
 
 def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
-    """Return the choice of a fit with one more free parameter, the last, and a start."""
+    """Return the choice with one more free parameter, the last, and all initial values."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
     return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
@@ -572,8 +578,7 @@ def trends(
 
 
 def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Return at most two sentences per load on trends in the residuals of a fit to ``log``,
-    strongest first."""
+    """Return at most two sentences per load on trends in the residuals of a fit to ``log``."""
     rows, sentences = fitted.rows, []
     if rows.group is None:
         return []

@@ -165,8 +165,7 @@ def fit(
     Raises
     ------
     InputError
-        For fewer measurements than free parameters, and if the model has no solution for too many
-        rows.
+        For fewer measurements than free parameters, and for too many rows without a solution.
     """
     settings = settings or Settings()
     begin = time.perf_counter()

@@ -134,8 +134,9 @@ def _rows(
 ) -> Rows:
     """Return a row for each ``measured`` load (n, L).
 
-    The scale of forces is the weight.  The scale of moments is the weight times a length: the mean
-    distance of the hubs from the center of mass or, about z and for a distance of zero, the radius.
+    The scale of forces is the weight.  The scale of moments is the weight times a length.  The
+    length is the mean distance of the hubs from the center of mass.  About z, or if this distance
+    is zero, the length is the rotor radius.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 
@@ -204,7 +205,7 @@ LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "reynolds_lift", "untwist"
 """Parameters that change the attached lift, and therefore the wakes of the rotors."""
 
 LIFT_STEP = 1e-4
-"""Step of difference quotients with respect to ``LIFT``, in spreads of the parameters."""
+"""Step of difference quotients with respect to ``LIFT``, in units of ``Parameter.spread``."""
 
 TURNED = (ROTOR_SPEED, *THROTTLE)
 """Parameters that change the rotor speeds."""
@@ -337,8 +338,7 @@ class ForceModel:
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and slopes
-        (L, P, n, m)."""
+        """Return rotor loads (L, n, m) at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
         omega, by_name = self._turned(values)
         asked = [name for name in names if name not in TURNED]
@@ -440,8 +440,7 @@ def body_force(
 ) -> tuple[Floats, Floats]:
     """Return the force (n, 3) [N] of body and wing in the vehicle frame, and derivatives (P, n, 3).
 
-    The parameters of the body in ``values`` add to those of the vehicle file.  Derivatives are
-    central differences.
+    The parameters of the body in ``values`` add to those of the vehicle file.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
@@ -559,7 +558,7 @@ def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
 # The thrust scale of a flight from its hover: effect of battery, mass and rotor speed errors.
 #
 # In hover, the thrust of a rotor is proportional to the square of its speed.  The hover ratio of a
-# flight is its measured thrust over the sum of squared rotor speeds.  It differs between flights by
+# flight is its measured thrust / sum of squared rotor speeds.  It differs between flights by
 # errors of rotor speeds or forces, not of the model.  The hover ratio, divided by the ratio of all
 # flights of a fit, gives the factor ``thrust_scale[FLIGHT]`` on the rotor loads.
 
@@ -585,7 +584,7 @@ class HoverScale:
     """Thrust scales of the flights of a log, from the hover of each flight."""
 
     flights: tuple[str, ...]  # names by number
-    # Hover ratio: thrust over the sum of squared rotor speeds [N s^2], by number of the flight, for
+    # Hover ratio: thrust / sum of squared rotor speeds [N s^2], by number of the flight, for
     # flights with enough hover.
     measured: Mapping[int, float]
     reference: float | None  # hover ratio of the flights of a fit [N s^2]; None without hover

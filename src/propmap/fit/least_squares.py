@@ -18,15 +18,15 @@ from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
-NOISE_FLOOR = 1e-3  # least error of a residual over its scale: the numerical error of the loads
-SAME_MINIMUM = 1e-3  # largest distance of two ends of a minimum, in units of ``Parameter.spread``
-DIFFERENCE = 1e-5  # step of difference quotients, in spreads
-
-ON_BOUND = 1e-9  # parameters closer to a bound, in spreads, are set to the bound
-EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations from each start, and of the polish
+NOISE_FLOOR = 1e-3  # least error of a residual / its scale: the numerical error of the loads
+SAME_MINIMUM, DIFFERENCE, ON_BOUND = 1e-3, 1e-5, 1e-9
+"""In units of ``Parameter.spread``: largest distance between the end points of two searches that
+found the same minimum; step of difference quotients; largest distance of a parameter from a bound
+to which it is moved."""
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations of each search, and of the finer one
 FINE = 1e-6, 1e-8  # step and gain that end a search, above the errors of the derivatives
 REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
-FAR = 1.5  # largest distance of a start from the prior mean, in standard deviations of the prior
+FAR = 1.5  # largest distance of initial values from the prior mean, in its standard deviations
 MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
 ONE_OF_FEW = 0.2  # the same share for few rows, if the rows belong to one operating point
 
@@ -60,7 +60,7 @@ class Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
-        """Return residuals (M,) over scales, without priors, and derivatives (M, P) by ``free``."""
+        """Return residuals (M,) / scales, without priors, and derivatives (M, P) by ``free``."""
         rows = self.rows
         value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
@@ -128,9 +128,10 @@ def search(
     """Return the best minimum of the searches from all starts ``begin``.
 
     The ``loss`` is "linear" or "soft_l1".  ``error`` is the standard deviation of a residual, which
-    sets the weight of priors; residuals above twice this value are outliers.  ``follow`` takes few
-    steps from a known minimum; otherwise ``polish`` refines the best end.  Raise an ``InputError``
-    for too few measurements, and for too many rows without a solution.
+    sets the weight of priors; residuals above twice this value are outliers.  If ``follow`` is
+    true, the search takes a few steps from a known minimum.  Otherwise, if ``polish`` is true, a
+    finer search starts from the best end point.  Raise an ``InputError`` for too few measurements,
+    and for too many rows without a solution.
     """
     from scipy.optimize import least_squares
 
@@ -341,8 +342,7 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """Number of independent measurements as which the rows of each load (L,) count; each group
-        counts as one."""
+        """Number of independent measurements of each load (L,); each group represents one."""
         parts = [self.of_load(k) for k in range(len(self.names))]
         if self.group is not None:
             return np.array([float(np.unique(self.group[part]).size) for part in parts])
@@ -434,8 +434,10 @@ def by_band(
 
 @dataclass(eq=False)
 class RowsElsewhere:
-    """``rows`` for workers in other processes, where ``remake`` makes the rows again, because
-    models cannot be sent; ``remake`` is None if no other process works."""
+    """``rows`` for workers in other processes.
+
+    Models cannot be sent, so ``remake`` makes the rows again there; None without other processes.
+    """
 
     rows: Rows
     remake: Callable[[], Rows] | None

@@ -12,14 +12,14 @@ from propmap.fit.least_squares import NOISE_FLOOR, Evaluator, Minimum, Rows, wei
 from propmap.fit.parameters import LEAST_ERROR, LINEAR, Choice, described, general
 from propmap.typing import Floats
 
-AT_BOUND = 1e-6  # largest distance from a bound, in spreads, at which the bound holds a parameter
+AT_BOUND = 1e-6  # largest distance of a parameter from its bound, in units of ``Parameter.spread``
 
-HELD_BY_PRIOR = 0.7  # standard deviation over that of the prior, above which the prior dominates
+HELD_BY_PRIOR = 0.7  # standard deviation / that of the prior, above which the prior dominates
 LARGEST_STRETCH = 4.0  # largest factor that widens one side of an interval
 
 NEGLIGIBLE = 1e-6
-"""Singular value over the largest, below which data do not determine a direction.  Its square has
-to exceed the rounding errors of the largest squared singular value."""
+"""Ratio to the largest singular value, below which data do not determine a direction.  Its square
+has to exceed the rounding errors of the largest squared singular value."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Uncertainty:
     error : ndarray, shape (L,)
         Standard deviation of a residual of each load, as a share of its scale.
     left : ndarray, shape (P,)
-        Standard deviation over that of the prior [-]: 1 if data add nothing, 0 without a prior.
+        Standard deviation / that of the prior [-]: 1 if data add nothing, 0 without a prior.
     """
 
     covariance: Floats
@@ -65,8 +65,8 @@ def uncertainty(
     """Return the Gauss-Newton uncertainty, with errors as large as the residuals of each load.
 
     ``block_errors`` counts each segment of correlated errors as one.  With a prior from other
-    propellers, errors of rows are at least ``LEAST_ERROR`` and correlated, and ``error`` is that
-    of the ``search``.
+    propellers, errors of rows are correlated and at least ``LEAST_ERROR``.  ``error`` is then the
+    ``error`` argument of ``search``.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
@@ -151,7 +151,7 @@ def residual_errors(
 
 
 def _left(deviation: Floats, by_prior: Floats) -> Floats:
-    """Return ``deviation`` (P,) over the standard deviation of the prior; 0 without a prior."""
+    """Return ``deviation`` (P,) divided by the deviation of the prior; 0 without a prior."""
     if not by_prior.size:
         return np.zeros_like(deviation)
     beforehand = np.diag(np.linalg.pinv(by_prior.T @ by_prior))
@@ -167,13 +167,16 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` where
-    the sum of squares, linearized at the end, is below its first linearization."""
+    """Return ``ends`` (2, P) of intervals, in units of ``Parameter.spread``.
+
+    For the parameters ``narrow``, widen the interval if the sum of squares linearized at the end is
+    below the sum of squares linearized at the minimum.
+    """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
     def linearized(at: Floats, residual: Floats, slopes: Floats) -> tuple[Quadratic, float]:
-        """Return the sum of squares around ``at``, in spreads, with priors; and its value there."""
+        """Return the sum of squares with priors, linearized at ``at``, and its value there."""
         from_prior, by_prior = choice.prior_residuals(at * spread)
         r = np.concatenate([residual, weight * from_prior])
         j = np.concatenate([slopes, weight * by_prior]) * spread
@@ -200,8 +203,7 @@ def _stretched(
 
 
 def _standard_error(residual: Floats, share: float) -> float:
-    """Return the standard error of residuals with ``share`` fitted parameters per residual, at
-    least the noise floor."""
+    """Return the standard error of residuals with ``share`` fitted parameters per residual."""
     if residual.size == 0:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)
@@ -209,9 +211,13 @@ def _standard_error(residual: Floats, share: float) -> float:
 
 
 def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the covariance inverse(information) middle inverse(information) of parameters in
-    spreads, with infinite variances for directions that data do not determine; the inverse, zero in
-    these directions; and W (R, P) of ``bounded_intervals``."""
+    """Return three matrices for parameters in units of ``Parameter.spread``.
+
+    The first is the covariance inverse(information) middle inverse(information), with infinite
+    variances for parameters that the data do not determine.  The second is inverse(information),
+    zero in the directions that they do not determine.  The third is W (R, P) of
+    ``bounded_intervals``.
+    """
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
     values, blind, vectors = values[seen], vectors[:, ~seen], vectors[:, seen]
@@ -228,8 +234,7 @@ def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floa
 def _verdict(
     name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
-    """Return a verdict, and whether the parameter is identified; ``half`` is half of its interval
-    without bounds."""
+    """Return a verdict, and whether it is "identified"; ``half``: half width without bounds."""
     known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
@@ -288,9 +293,9 @@ def bounded_intervals(
     """Return the ends (P,) of the profile intervals of |W (x - center)|^2 within bounds, where W is
     ``root`` (R, P).
 
-    An interval contains the values of a parameter for which the least sum of squares over the other
-    parameters, within bounds, exceeds the minimum by at most the square of ``quantile``.  This is a
-    quantile of Student's t; far from bounds, the interval is center +- quantile * deviation.
+    For each value of a parameter, the sum of squares is minimized over the other parameters within
+    bounds.  The interval contains the values at which this sum exceeds the minimum by at most the
+    square of ``quantile`` of Student's t.  Far from bounds, it is center +- quantile * deviation.
     """
     from scipy.optimize import brentq, lsq_linear
 
@@ -314,7 +319,7 @@ def bounded_intervals(
 # -------------------------------------------------------------------------------------------------
 # Errors of parameters from residuals that are correlated within segments of the data.
 
-MOST_ALONE = 0.9  # largest share of the information on a direction from one segment
+MOST_ALONE = 0.9  # largest share of a segment in the information on a direction of the parameters
 
 
 def block_errors(

@@ -31,11 +31,12 @@ FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
 roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
-pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, as 2 is near 1."""
+pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, because the factor of 2 pole
+pairs is near the factor 1 of correct speeds."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
-CARRIED = Range(0.4, 2.5)  # thrust over weight outside this range causes a warning
+CARRIED = Range(0.4, 2.5)  # thrust / weight outside this range causes a warning
 POSSIBLE = Range(0.2, 5.0)  # outside this range it is an error, impossible for any blade
 PWM = Range(900.0, 2200.0)  # pulse widths of commands to motor controllers [us]
 
@@ -88,10 +89,9 @@ def drive_in_hover(logs: Sequence[FlightLog]) -> float:
 
 
 def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
-    """Return whether each sample (n,) is below 3 m/s with a specific force within 10 % of g.
+    """Return whether each sample (n,) is in flight below 3 m/s, with a specific force near g.
 
-    With too few such samples, return the slowest tenth of the flight.  Samples on the ground are
-    excluded.
+    With too few such samples, return the slowest tenth of the samples in flight.
     """
     flying = airborne(log)
     force = np.linalg.norm(log.specific_force, axis=1)
@@ -103,7 +103,7 @@ def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
 
 
 def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
-    """Return the mean force of the rotors along the z axis of the vehicle over the needed force."""
+    """Return the mean force of the rotors along the z axis of the vehicle / the needed force."""
     up = np.mean(log.up[:, 2])
     measured = np.mean(log.specific_force[:, 2])
     needed = vehicle.mass * (GRAVITY / up if np.isnan(measured) else measured)
@@ -159,23 +159,20 @@ BAND = (1.0, 6.0)
 aerodynamic moments turn it, too; at higher frequencies, motor controllers lag."""
 
 MOST_ROTORS = 6  # largest number of rotors for which all orders are tried
+# Correlation of moment and angular acceleration: largest of a wrong order, least of a right one.
 WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
-"""Largest correlation of moment and angular acceleration of a wrong order, and least correlation of
-a right order."""
 
 FEWEST, AGILE = 200, 0.5
 """Least number of samples in flight, and least angular acceleration [rad/s^2], for this check."""
 
 OTHER_VEHICLE = 1.15
-"""Ratio of thrust over squared rotor speed between two flights in hover; batteries and air explain
-smaller ratios."""
+"""Ratio of thrust / squared rotor speed of two hovers; batteries and air explain smaller ratios."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     """Check the order of the rotors by comparing their moments with the angular acceleration.
 
-    Raise an ``InputError`` if another order explains the angular acceleration and the given order
-    does not.
+    Raise an ``InputError`` if only another order explains the angular acceleration.
     """
     count = len(vehicle.mounts)
     step = float(np.median(np.diff(log.time))) if len(log) > 1 else np.inf

@@ -203,8 +203,9 @@ def trim(
     are computed as in a fit.  The circles have a ``radius`` [m], infinite for straight flight.  A
     horizontal ``tether`` provides the centripetal force, as in the paper; without a tether, the
     vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on the rotors, as a share
-    of the weight; for a fit, it is an error.  ``specific_force`` includes the force of the tether.
-    Raise an ``InputError`` for speeds that cannot be flown.
+    of the weight.  A fit to the points treats this force as a measurement error.
+    ``specific_force`` includes the force of the tether.  Raise an ``InputError`` for speeds that
+    cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
@@ -272,7 +273,7 @@ class _Problem:
         )
 
     def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
-        """Return forces forward, up and left minus the wanted forces, over the weight; (m, k)."""
+        """Return the unbalanced forces forward, up and left, divided by the weight; (m, k)."""
         log = self.log(unknowns, which)
         force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
         across = np.cross(log.up, np.array([1.0, 0.0, 0.0]))

@@ -64,10 +64,15 @@ def steady_segments(
     """Return the steady segments of a log with a length of at least ``seconds``, in order.
 
     A circle flown nose first at constant speed is steady.  Segments exclude gaps in the log and
-    time on the ground.  Signals are averaged over 0.25 s.  A band is the largest difference between
-    two samples of a segment: of each velocity component in the vehicle frame [m/s], of the climb
-    rate [m/s], of each angular rate [rad/s], and of the direction of ``up`` [rad].  Without a
-    steady segment, raise an ``InputError`` with the band that ended the longest segment.
+    time on the ground.  Signals are averaged over 0.25 s.  Without a steady segment, raise an
+    ``InputError`` with the band that ended the longest segment.
+
+    A band is the largest difference between two samples of a segment.  There are bands for:
+
+    - each velocity component in the vehicle frame [m/s],
+    - the climb rate [m/s],
+    - each angular rate [rad/s],
+    - the direction of ``up`` [rad].
     """
     bands = {
         "speed_band": (speed_band, log.velocity),
@@ -115,7 +120,10 @@ def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
 
 
 def _segments(piece: _Piece, seconds: float) -> list[slice]:
-    """Return the segments of a piece; each begins as early as possible and ends at a band."""
+    """Return the segments of a piece.
+
+    Each begins as early as possible, and ends before the first sample outside a band.
+    """
     segments = []
     start = 0
     while start < piece.time.size:
@@ -151,8 +159,7 @@ def _count_within(scaled: Floats) -> int:
 def _none_steady(
     log: FlightLog, pieces: list[_Piece], seconds: float, names: list[str], limits: dict[str, float]
 ) -> InputError:
-    """Return the error that names the band that ended the longest segment; ``names`` are the bands
-    of the channels."""
+    """Return the error with the band that ended the longest segment; ``names``: band by channel."""
     if not pieces:
         fault = "the rotors never carry the vehicle"
         return InputError(fault, "give the log of a flight", log.source)
@@ -194,11 +201,18 @@ STEEPEST = 85.0  # largest pitch and roll of a steady flight [deg]
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:
     """Read operating points from a CSV file with a header line and one row per point.
 
-    Required columns are ``speed_mps`` (horizontal airspeed toward the nose, >= 0), ``pitch_deg``
-    (positive nose down, the top of the vehicle leans into the flight direction) and ``rpm_1`` ...
-    ``rpm_n`` (mechanical rpm of the rotors in their order, >= 0).  Optional columns, by default 0,
-    are ``roll_deg`` (about the x axis of the vehicle, after the pitch, positive right side down),
-    ``climb_mps`` (up positive) and ``yaw_rate_dps`` (about the vertical, positive to the left).
+    Required columns:
+
+    - ``speed_mps``: horizontal airspeed toward the nose, >= 0
+    - ``pitch_deg``: positive nose down, the top of the vehicle leans into the flight direction
+    - ``rpm_1`` ... ``rpm_n``: mechanical rpm of the rotors in their order, >= 0
+
+    Optional columns, by default 0:
+
+    - ``roll_deg``: about the x axis of the vehicle, after the pitch, positive right side down
+    - ``climb_mps``: positive up
+    - ``yaw_rate_dps``: about the vertical, positive to the left
+
     Other columns are ignored.  The file may have any dialect of ``propmap.io.csv``.  The log has
     the times 0, 1, 2 ... and no ``specific_force``.  An ``InputError`` names file, line and column.
     """

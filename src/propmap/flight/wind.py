@@ -6,7 +6,7 @@ Horizontal wind is a random walk; vertical wind varies about zero.  The error al
 vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
 Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
 are the same for all samples.  They widen the bands.  Only the prior of the mean vertical wind
-reduces them.
+reduces these common errors.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ horizontal walk [m^2/s^3], variance of the vertical wind [m^2/s^2], and correlat
 errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
 0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
-WHITE = 0.1  # standard deviation of the error that is independent in each sample, over the total
+WHITE = 0.1  # standard deviation of the error independent in each sample, divided by the total
 GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # at most this many regressions and samples tune scales
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
-"""Limits above which a remark asks whether the vehicle is the vehicle of the fit: residuals over
-their expected size [-], and mean vertical wind with the parameters of the fit [m/s]."""
+"""Limits above which a remark asks whether the vehicle is the vehicle of the fit: residuals
+divided by their expected size [-], and mean vertical wind with the parameters of the fit [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +185,8 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         remedy = "log accelerometer and attitude"
         raise InputError("some samples have no specific force or heading", remedy, log.source)
     every = max(1, round(1.0 / (RATE * float(np.median(np.diff(log.time))))))
-    # With a name, the flight would get thrust scale and clock of a fitted flight of this name.
+    # Remove the name of the flight.  Otherwise a flight of the fit with the same name would supply
+    # its thrust scale and clock offset.
     log = replace(log.picked(slice(None, None, every)), flights=("",))
     values, world = of_others(file.values), _world(log)
     wind, scales = np.zeros_like(log.velocity), USUAL
@@ -244,7 +245,7 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
 def _regression(
     force: Callable[[Floats], Floats], wind: Floats, spread: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Regress ``force`` linearly over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3).
+    """Regress ``force`` linearly on a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3).
     Return mean (n, 3), slopes (n, 3, 3) and variances (n, 3) that the slopes do not explain.
 
     This is the posterior linearization of Garcia-Fernandez, Svensson and Sarkka (IEEE Transactions
@@ -281,10 +282,12 @@ def _world(log: FlightLog) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Kalman filter and smoother.
 #
-# The state contains the wind, the errors along the axes of the vehicle divided by their standard
-# deviations, and the integral of the wind over time divided by the duration.  The first column of
-# the mean of the state is the estimate.  The other columns are the derivatives of the estimate with
-# respect to the common parameters, which are the same for all samples.
+# The state contains three parts:
+#   - the wind;
+#   - the errors along the axes of the vehicle, divided by their standard deviations;
+#   - the mean wind so far, the time integral of the wind divided by the duration.
+# The first column of the mean of the state is the estimate.  The other columns are the derivatives
+# of the estimate with respect to the common parameters, which are the same for all samples.
 
 WIND, ERROR, MEAN = slice(0, 3), slice(3, 6), slice(6, 9)
 
@@ -297,7 +300,7 @@ class _Smoothed(NamedTuple):
     mean: Floats
     mean_covariance: Floats
     uncorrected_up: float  # mean vertical wind with the parameters of the fit [m/s]
-    misfit: float  # rms of the residuals over their expected size [-]
+    misfit: float  # rms of the residuals, divided by their expected size [-]
 
 
 class _Balance(NamedTuple):
@@ -386,7 +389,7 @@ class _Balance(NamedTuple):
         found, move = self.filtered(scales[None])[0], self.moves(scales[None])[0][:, 0]
 
         last, its_spread = found[-1][0][0, MEAN], found[-1][1][0, MEAN, MEAN]
-        # Without an update of ``common``, an error of the thrust would be a lasting vertical wind.
+        # Without an update of ``common``, thrust errors would appear as a lasting vertical wind.
         up, seconds = last[2, 1:], self.time[-1] - self.time[0]
         prior = UP**2 + np.exp(scales[1]) * min(1.0, 2.0 * VERTICAL / seconds)
         share = common @ up / (up @ common @ up + prior - its_spread[2, 2])

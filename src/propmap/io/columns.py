@@ -115,7 +115,7 @@ def _words(text: str) -> str:
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
     """Yield all splits of a column name: words, unit, unit as spelled in the file, and number of
-    omitted qualifiers.  For "Thrust - Motor 1 (N)" without "Motor 1", this number is 1."""
+    omitted qualifiers.  If "Motor 1" is omitted from "Thrust - Motor 1 (N)", this number is 1."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)

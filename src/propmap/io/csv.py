@@ -126,11 +126,11 @@ def header_names(header: str, columns: Collection[str]) -> list[str]:
 
 
 def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: str) -> bool:
-    """Return whether the numbers of a file, cells with line numbers, have decimal commas.
+    """Return whether the numbers in a file have decimal commas.
 
-    Raise ``InputError`` for a number with two marks, different marks in different numbers, and
-    marks that are all ambiguous, as in 6.000 and 6,000.  If commas separate columns, numbers cannot
-    contain commas.
+    ``cells`` contains pairs of line number and text.  Raise ``InputError`` for a number with two
+    marks, different marks in different numbers, and marks that are all ambiguous, as in 6.000 and
+    6,000.  If commas separate columns, numbers cannot contain commas.
     """
     if separator == ",":
         return False
@@ -563,8 +563,7 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
 
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
-    """Return CSV of angle of attack, inflow and force over the disk, one row per element and
-    azimuth."""
+    """Return CSV of angle of attack, inflow and force, one row per element and azimuth."""
     field = rotor.inflow(omega, speed, beta)
     radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
     columns = {

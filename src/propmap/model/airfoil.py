@@ -115,7 +115,10 @@ class SectionLaw:
         return lift.reshape(at[0].shape), drag.reshape(at[0].shape)
 
     def with_corrections(self, texts: Sequence[str]) -> Self:
-        """Return the law with the corrections ``texts``, which must agree with any that it has."""
+        """Return the law with the corrections ``texts``.
+
+        Corrections that the law already has must agree with ``texts``.
+        """
         law: Any = self
         return replace(law, corrections=agreed(self.name, self.corrections, texts))
 
@@ -149,8 +152,9 @@ class Airfoil(SectionLaw):
         c_l1.  The power with ``reynolds_drag`` multiplies c_d and c_d0 in attached flow.  The
         exponents are about 0.12 and -0.35 for small propellers, and 0 in the paper.
     drag_angle : float
-        Angle of least pressure drag above zero_lift_angle [rad]: c_d sin^2(alpha -
-        zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
+        Angle at which the pressure drag is least, measured from zero_lift_angle [rad]: c_d
+        sin^2(alpha - zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in
+        the paper.
     lift_law : str
         "blended": eq. (3).  "plate": eq. (3) with the separated lift of a plate, whose normal force
         is sin(a)/(0.56 + 0.44 sin(a)) times its value at 90 degrees.  "simplified": footnote 1,
@@ -245,7 +249,7 @@ class Airfoil(SectionLaw):
         return hashlib.sha256(self._text([*self.metadata()]).encode()).hexdigest()
 
     def _text(self, names: Sequence[str]) -> str:
-        """Return a parameter file with these fields, without terms beyond the paper that are 0."""
+        """Return a parameter file with these fields, except terms beyond the paper that are 0."""
         lines = [f"schema = {LAW_SCHEMA}"]
         for name in names:
             value = getattr(self, name)
@@ -456,8 +460,8 @@ class SectionTable(ByValue, SectionLaw):
         Raises
         ------
         InputError
-            For a function that does not return two arrays of N finite numbers, a tolerance that
-            4000 angles do not reach (for example at a jump), and as in ``SectionTable``.
+            For a function that does not return two arrays of N finite numbers.  For a tolerance
+            that 4000 angles do not reach, for example at a jump.  As in ``SectionTable``.
         """
         rows = np.atleast_1d(np.asarray(reynolds, np.float64))
 

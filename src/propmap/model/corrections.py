@@ -51,7 +51,7 @@ class Correction:
         """Raise ``InputError`` if the correction does not fit ``model``."""
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
-        """Return the input of the core: the number of the correction, or 1, under ``name``."""
+        """Return the core's input ``name``: the value of the correction's field; 1 without one."""
         values = list(vars(self).values())
         return {name: values[0] if values else 1.0}
 

@@ -63,8 +63,9 @@ of a good large propeller is 0.7 to 0.75.  The thrust of two rotors multiplies t
 FAST_TIP_MACH = 0.75  # above, the drag of thick sections rises, which no section law includes
 PITCH_STATION = 0.75  # share of the radius at which chord and twist represent the blade
 PULLING, WINDMILLING = 1.6, 2.0
-"""Axial speed over the speed of a screw with the pitch of the blade: limit up to which a propeller
-pulls (measured 1.35 at a quarter of the largest thrust), and limit above which it is a windmill."""
+"""Limits of the axial speed divided by the pitch speed, the speed of a screw with the pitch of the
+blade.  Up to the first limit, a propeller pulls (measured 1.35 at a quarter of the largest thrust).
+Above the second limit, it is a windmill."""
 
 RADIANS_WITHIN = 1e-3  # tolerance for a multiple of 5 degrees in radians
 
@@ -121,7 +122,7 @@ def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
 
 
 def pitch_ratio(propeller: Propeller) -> float:
-    """Return the speed of a screw with the pitch of the blade over the tip speed [-]."""
+    """Return the pitch speed of the blade divided by the tip speed [-]."""
     return PITCH_STATION * math.tan(at_share(propeller, PITCH_STATION)[1])
 
 
@@ -450,7 +451,7 @@ def _beta_from_the_disk(
         across = across[axial & np.isfinite(across)]
         if across.size and float(np.median(across)) > DRAG_SHARE:
             return [f"the rotor drag is not zero in axial flow; {cause}"]
-    # The speed over the pitch speed, to find rows that are fast if the flow is axial.
+    # Divide the speed by the pitch speed, to find the rows that are fast if the flow is axial.
     reach = v / (w * propeller.radius * max(pitch_ratio(propeller), 1e-3))
     coefficient, measured = thrust / w**2, np.isfinite(thrust)
     slow, fast = measured & (reach < 0.3), measured & (reach > 0.7)

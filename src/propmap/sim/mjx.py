@@ -199,9 +199,8 @@ class MjxRotors:
         Raises
         ------
         InputError
-            As in ``JaxForces.from_vehicle``, for a body that does not exist, is not free or has
-            another mass, for a model with air density or viscosity, and for a negative time
-            constant.
+            As in ``JaxForces.from_vehicle``.  For a body that does not exist, is not free or has
+            another mass.  For air density or viscosity in the model.  For a negative time constant.
         """
         from propmap.sim.mujoco import center_of_mass, check_air, free_body
 

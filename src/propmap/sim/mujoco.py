@@ -311,11 +311,13 @@ def attach(
     Raises
     ------
     InputError
-        For an unknown body, sites away from the hubs, and removed actuators that oppose the thrust.
+        For an unknown body, for sites away from the hubs, and if actuators to be removed push
+        against the thrust.
     """
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
-    # The compiler assigns the controls in keyframes to actuators; other actuators keep theirs.
+    # Compile before the actuators change: the compiler assigns the controls in keyframes to their
+    # actuators, so the remaining actuators keep their controls.
     model, carrier = spec.compile(), spec.body(body)
     at, _, _ = free_body(model, body)
     if spec.site("rotor_1"):

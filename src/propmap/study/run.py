@@ -19,7 +19,7 @@ from propmap.sweep.points import AXES, Place
 from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
 
-POINTS_PER_TASK = 8192  # of all designs of the task: one to some seconds of one core
+POINTS_PER_TASK = 8192  # operating points of all designs of a task: some seconds on one core
 SAMPLE = 4  # designs whose evaluation is timed to predict the time of a study
 
 GEOMETRY = {

@@ -145,8 +145,11 @@ TEXTS = {
 
 
 def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArray[Any]]:
-    """Return the arrays to store by name, the status last: with ``bands`` standard deviations, if
-    any, as "thrust_std", and with ``by_source`` those of each source as "thrust_std_tunnel"."""
+    """Return the arrays to store by name; the status is last.
+
+    ``bands`` adds standard deviations, such as "thrust_std", if the loads have them.  ``by_source``
+    adds those by source, such as "thrust_std_tunnel".
+    """
     found: dict[str, NDArray[Any]] = {name: getattr(loads, name) for name in TEXTS}
     if bands and loads.std_by_source:
         deviations = {"std": loads.std}

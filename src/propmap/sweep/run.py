@@ -42,7 +42,8 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     import xarray
 
-POINTS_PER_TASK = 16_384  # some seconds; fewer points add overhead, more points lose more work
+# Some seconds.  Fewer points add overhead; with more points, a worker that dies loses more work.
+POINTS_PER_TASK = 16_384
 SAMPLE = 2048  # operating points whose evaluation is timed to predict the time of a sweep
 Values = dict[str, NDArray[Any]]  # arrays by quantity
 

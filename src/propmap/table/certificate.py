@@ -80,8 +80,7 @@ PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the en
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Return the operating point, as in ``PLACE``, of the largest error of each load; None if it is
-    zero."""
+    """Return the point, as in ``PLACE``, of the largest error of each load; None if it is zero."""
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
     places = {
         load: [factor * found[name][load] for name, factor in units.items()] for load in LOADS

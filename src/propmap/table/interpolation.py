@@ -31,9 +31,9 @@ class TableContent:
     omega: Floats  # least and largest of the envelope (2,) [rad/s]; both negative for a propeller
     # that turns backward, where |Omega| replaces Omega in J and Omega^(-1/2)
     speed: Floats  # least and largest of the envelope (2,) [m/s]
-    # The loads at both ends of omega in the order of ``LOADS``, forces over rho pi R^4 Omega^2 and
-    # moments over rho pi R^5 Omega^2 (2, L, n, m) [-]; NaN for no value.  Between the ends they are
-    # linear in Omega^(-1/2), like the friction term of eq. (4).
+    # The loads at both ends of omega in the order of ``LOADS``, forces / (rho pi R^4 Omega^2)
+    # and moments / (rho pi R^5 Omega^2) (2, L, n, m) [-]; NaN for no value.  Between the ends they
+    # are linear in Omega^(-1/2), like the friction term of eq. (4).
     coefficients: Floats
     cells: NDArray[np.uint8]  # sum of ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` (n - 1, m - 1)
     info: dict[str, Any]  # provenance and the certificate, as plain data for JSON
@@ -71,7 +71,8 @@ class TableContent:
         for name, value in (("radius", self.radius), ("density", self.density)):
             if not (isinstance(value, float) and 0.0 < value < np.inf):
                 raise InputError(f"{name} is {value!r}, expected a positive number")
-        # The envelope determines the ends of the advance ratio: a value in another unit moves them.
+        # The envelope determines the ends of the advance ratio.  A disagreement therefore reveals a
+        # value in a wrong unit.
         with np.errstate(over="ignore", divide="ignore"):
             least, most = self.speed / (np.sort(np.abs(self.omega))[::-1] * self.radius)
         if self.advance[0] > least * (1.0 + 1e-6) or not np.isclose(self.advance[-1], most, 1e-6):
@@ -116,7 +117,7 @@ class TableContent:
 
     @property
     def scale(self) -> Floats:
-        """Load over coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
+        """Load / (coefficient Omega^2), in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
         return coefficient_scale(self.density, self.radius)
 
     def _entry(self, group: str, name: str) -> Any:
@@ -131,7 +132,7 @@ class TableContent:
         return np.abs(self.omega) ** -0.5
 
     def padded(self) -> Floats:
-        """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their derivatives
+        """Return loads / Omega^2 at the least omega [N s^2], [N m s^2], then their derivatives
         with respect to Omega^(-1/2), with ghost values on all sides; (n + 2, m + 2, 2 L)."""
         low, high = self.coefficients
         both = np.concatenate([low, (high - low) / np.diff(self.roots)])
@@ -159,8 +160,7 @@ OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE, REVERSED = range(len(ST
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:
-    """Return the code of each cell (n - 1, m - 1): ``OK`` or ``REVERSED``, ``VORTEX_RING`` or
-    ``UNRESOLVED``."""
+    """Return codes (n - 1, m - 1): ``OK`` or ``REVERSED``, ``VORTEX_RING`` or ``UNRESOLVED``."""
     fine = OK if content.omega[0] > 0.0 else REVERSED
     return np.array([fine, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
 
@@ -261,9 +261,9 @@ def _parabola(x: Floats, at: float) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Positions of operating points in units of cells: the errors of a table vary on the scale of cells.
 #
-# A position (n, 3) contains the number of cells below the point along the advance ratio and along
-# beta, with a fraction for the cell of the point.  Its third value is the fraction of the range of
-# omega that the envelope allows at this advance ratio.
+# A position (n, 3) contains the number of cells below the point, along the advance ratio and along
+# beta.  The fraction is the position in the cell of the point.  The third value is the fraction of
+# the range of omega that the envelope allows at this advance ratio.
 
 
 def most_position(content: TableContent) -> Floats:

@@ -21,7 +21,7 @@ from propmap.typing import Floats
 
 POINTS = 32_768  # points of a certificate; Sobol's sequence requires a power of two
 CANDIDATES = 32  # candidates per point of a certificate in the search for unresolved cells
-MOST_INSIDE = 4  # points of a certificate over the largest number of points in unresolved cells
+MOST_INSIDE = 4  # points of a certificate / largest number of points in unresolved cells
 
 
 # -------------------------------------------------------------------------------------------------
@@ -72,7 +72,7 @@ class CachedModel:
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Return loads over static loads at one omega (n, m, L), and 1 in vortex ring (n, m)."""
+        """Return loads / static loads at one omega (n, m, L), and 1 in vortex ring (n, m)."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         new = [point for point in grid if point not in known]
@@ -264,7 +264,7 @@ def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floa
 
 def static_loads(model: CachedModel, omega: Floats) -> Floats:
     """Interpolate the static loads (n, L) at omega (n,), with a relative error of 1e-5."""
-    # Static loads over Omega^2 are linear in Omega^(-1/2), like the model's friction.
+    # Static loads / Omega^2 are linear in Omega^(-1/2), like the model's friction.
     roots, ends = np.abs(omega) ** -0.5, np.abs(model.omega) ** -0.5
     share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
     low, high = model.static / (model.omega**2)[:, None]
@@ -280,8 +280,8 @@ def static_loads(model: CachedModel, omega: Floats) -> Floats:
 # climb tries random steps, which grow after a success and shrink after a failure.  At intervals the
 # search drops the worse half of the climbs, and the remaining climbs try more steps.
 
-OVERHANG = np.array([0.5, 0.5, 0.25])  # positions by which samples exceed the edges before clipping
-CLIMBS = 32  # initial climbs per load and 32768 known points
+OVERHANG = np.array([0.5, 0.5, 0.25])  # samples lie up to this far beyond the edges before clipping
+CLIMBS = 32  # most initial climbs per goal for 32768 sampled points, proportional to their number
 FEWEST_CLIMBS = 8
 
 TRIES = 4  # steps that each climb tries per round, until the first halving
@@ -420,8 +420,7 @@ def sobol(count: int, seed: int) -> Floats:
     """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
 
     The points equal those of ``scipy.stats.qmc.Sobol``: direction numbers by Joe and Kuo, scrambled
-    by a lower triangular matrix and a shift.  SciPy takes longer to import than a small table to
-    build.
+    by a lower triangular matrix and a shift.  SciPy takes too long to import.
     """
     rng = np.random.default_rng(seed)
     place = np.arange(BITS, dtype=np.uint32)
@@ -435,7 +434,7 @@ def sobol(count: int, seed: int) -> Floats:
     for direction in directions.T:
         if len(found) >= count:
             break
-        # In Gray code, the numbers with one more bit are the earlier ones, reversed, with this bit.
+        # In Gray code, a new bit repeats the earlier numbers in reverse order, with this bit set.
         found = np.concatenate([found, found[::-1] ^ direction])
     return found[:count] / 2.0**BITS
 

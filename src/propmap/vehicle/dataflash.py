@@ -31,8 +31,7 @@ INSTANCES = ("I", "C", "Inst", "Instance")
 
 COMMANDS = "RCOU"
 LIMITS = ("MOT_PWM_MIN", "MOT_PWM_MAX")
-"""Message with the motor pulses, for logs without rotor speeds, and parameters with the pulse
-range."""
+"""Message with the motor pulses, for logs without rotor speeds, and parameters with their range."""
 
 MOTORS = {
     **{32 + number: number for number in range(1, 9)},
@@ -61,8 +60,7 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
     - Without rotor speeds: the commands of RCOU, assigned in the same way, with the voltage of BAT,
       or CURR.
 
-    Of several sensors or filters the first one is read.  The frames are always FRD and NED.  Raises
-    ``InputError``.
+    Of several sensors or filters the first one is read.  The frames are always FRD and NED.
     """
     samples, parameters = _messages(path)
 

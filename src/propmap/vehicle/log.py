@@ -209,8 +209,7 @@ def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
 
 
 def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
-    """Return pitch and roll [rad], (n,), as in ``in_vehicle_frame``, from ``up`` (n, 3) in the
-    vehicle's frame."""
+    """Return pitch and roll [rad], (n,), as in ``in_vehicle_frame``, from ``up`` (n, 3)."""
     return -np.arcsin(np.clip(up[:, 0], -1.0, 1.0)), np.arctan2(up[:, 1], up[:, 2])
 
 
@@ -218,8 +217,7 @@ def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
 # Low-pass filter and time derivatives of a log, required for a balance of forces.
 #
 # Accelerometer, gyro and motor controllers filter their measurements differently, but a balance
-# compares them.  All signals therefore pass the same filter here, forwards and backwards, which
-# causes no delay.
+# compares them.  All signals therefore pass the same filter here, without delay.
 
 DERIVATIVE_CUTOFF = 6.0
 """Default cut-off [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor speeds of
@@ -307,8 +305,8 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
 def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> Floats:
     """Return columns (n, k) filtered forwards and backwards, without delay.
 
-    ``relative`` is the cut-off over half the sampling rate, ``order`` the order of the Butterworth
-    filter, and ``padding`` the number of samples by which the signal is extended at its ends.
+    ``relative`` is the cut-off divided by half the sampling rate.  ``order`` is the order of the
+    Butterworth filter.  The signal is extended by ``padding`` samples at each end.
     """
     from scipy.signal import butter, sosfiltfilt
 

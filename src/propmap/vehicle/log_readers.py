@@ -188,7 +188,8 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
 
     start, *head = _head(path)
     separator = separator_of(head[0].rstrip("\r\n"), wanted)
-    # Spreadsheets may append empty fields to a row, so the second line also counts.
+    # Spreadsheets may append empty fields to a row.  The number of columns is therefore the larger
+    # one of the header and the next line.
     width = max(len(row) for row in csv.reader(head, delimiter=separator, skipinitialspace=True))
     # Blank lines are kept so that row numbers are line numbers.  The header is read as a row, since
     # pandas would rename duplicate columns.
@@ -263,8 +264,7 @@ def _check_columns(
 
 
 def _numbers(column: Any, name: str, where: str) -> Floats:
-    """Return a column of a data frame as float64, NaN for empty cells; raise ``InputError`` for
-    text."""
+    """Return a column of a data frame as float64, NaN for empty cells; refuse text."""
     import pandas as pd
 
     numbers = pd.to_numeric(column, errors="coerce")
@@ -336,7 +336,6 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
       battery_status.
 
     Times are the times of measurement if the log contains them.  The frames are always FRD and NED.
-    Raises ``InputError``.
     """
     file = parsed_ulog(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
@@ -498,7 +497,7 @@ def _numbered(data: Any, field: str) -> list[Floats]:
 
 
 def _slots_stated(file: Any, count: int) -> Iterator[list[int] | None]:
-    """Yield the indices of the motors among ``count`` outputs from each kind of parameters."""
+    """Yield, for each kind of parameters, which of the ``count`` outputs drive motors."""
     stated = file.initial_parameters
     for name in FUNCTIONS:
         functions = [int(stated.get(f"{name}{k + 1}", 0)) for k in range(count)]
@@ -515,7 +514,10 @@ def _pulses(stated: Mapping[str, float], output: int) -> tuple[float, float]:
 
 
 def _time(data: Any, field: str = "") -> Floats:
-    """Return the times of measurement of a ``field``, or of publication without them [s]; (n,)."""
+    """Return the times at which a ``field`` was measured, (n,) [s].
+
+    If the log does not contain them, return the times at which it was published.
+    """
     stamps = data.data["timestamp"]
     measured = data.data.get("timestamp_sample", stamps)
     time = np.where(measured > 0, measured, stamps).astype(np.float64)
@@ -566,8 +568,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     - Optionally ``imu`` (sensor_msgs/Imu) for rates and specific force.  Without it, the rates are
       from the odometry or twist, and the specific force is unknown.
 
-    Times are those of the headers, or times of recording for messages without a header.  Raises
-    ``InputError``.
+    Times are those of the headers, or times of recording for messages without a header.
     """
     topics = log.topics
     turning = "throttle" if "throttle" in topics else "rotor_speed"

@@ -106,8 +106,7 @@ class Wakes:
         flight direction.  ``beside`` multiplies upwash at rotors to its side.  ``downwash``
         multiplies downwash.
     share : float
-        Factor on the rotor's inflow in the convection velocity of its wake [-]: 1 at the disk, 2
-        far below.
+        Factor on the inflow in the velocity that carries the wake [-]: 1 at the disk, 2 far below.
     """
 
     ahead: float = 1.0

@@ -87,8 +87,8 @@ class VehicleForces:
     Raises
     ------
     InputError
-        For loads of another propeller or other air, for a ``LoadTable`` if [mount] in the vehicle
-        file has a drag area, and for interacting rotors at the same position.
+        For loads of another propeller or other air.  For a ``LoadTable``, if [mount] in the vehicle
+        file has a drag area.  For interacting rotors at the same position.
     """
 
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
@@ -242,8 +242,7 @@ class Rotors:
         return cls(vehicle, every, loads if vehicle.wakes is not None else None)
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
-        """Return moments (..., k, 3) [N m] about the center of mass from forces and moments at the
-        hubs."""
+        """Return moments (..., k, 3) [N m] about the center of mass from the loads at the hubs."""
         return moment + cross(self.position, force)
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
@@ -313,8 +312,8 @@ class Rotors:
     def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
         """Return the first-order changes of forces and moments due to ``changes`` of the loads.
 
-        Wakes change with the thrusts, also if they follow from the attached thrust.  ``omega``
-        (n, k) and ``velocity`` (n, k, 3) are those of ``wrenches``.
+        The wakes change with the thrust of the rotors, even if they are computed from the attached
+        thrust.  ``omega`` (n, k) and ``velocity`` (n, k, 3) are those of ``wrenches``.
         """
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
@@ -451,7 +450,8 @@ def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
 
 
 def _distinct(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the rows of points (n, 3) that differ by more than rounding, and the row of each."""
+    """Return the distinct rows of points (n, 3), ignoring rounding errors, and for each point the
+    index of its distinct row."""
     size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
     rounded = np.round(points / size, 11) + 0.0
     order = np.lexsort(rounded.T)
@@ -528,7 +528,7 @@ def airframe(body: Body, wing: Wing | None, density: float) -> dict[str, Any]:
 
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
-    """Return lift over dynamic pressure [m^2] of a ``wing`` at an ``angle`` of attack [rad]."""
+    """Return lift / dynamic pressure [m^2] of a ``wing`` at an ``angle`` of attack [rad]."""
     lift, _ = _section(wing).coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
     return wing.area * lift
 

@@ -69,7 +69,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     vehicle : Vehicle
         Vehicle with m rotors.
     wakes : Wakes
-        Gains, and factor on the inflow in the convection velocity of each wake.
+        Gains of the wakes, and the factor on the inflow in the velocity that carries a wake away.
     flow : HubFlow
         Flow of n samples without interaction.
     thrust : ndarray, shape (n, m)
@@ -199,8 +199,8 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 #
 # The velocity depends only on the direction in which the air carries the wake.  A table over the
 # two angles of this direction is therefore valid for all flights of a vehicle.  At the first use,
-# the table is computed from the vortex cylinder, in some tenths of a second for each pair of rotors
-# with a new relative position.  Cubic splines interpolate it with continuous derivatives.
+# the table is computed from the vortex cylinder.  This takes some tenths of a second for each pair
+# of rotors with a new relative position.  Cubic splines interpolate it with continuous derivatives.
 
 SKEWS, BEARINGS = 121, 96  # nodes of the table: from straight down to straight up, and around
 TABLE_AZIMUTHS = 64
@@ -217,7 +217,8 @@ class WakeGeometry(NamedTuple):
 
     frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
     kind: NDArray[np.intp]  # index of the spline of each target and source (k, k)
-    bearing: Floats  # of the target in the source's frame, where the spline is at zero [rad] (k, k)
+    # Bearing of the target in the source's frame [rad] (k, k); the spline's are relative to it.
+    bearing: Floats
     slipstream: NDArray[np.bool_]  # whether the rotors are above each other (k, k)
     splines: list[Any]  # velocities induced by a wake, over its skew and bearing
 
@@ -263,8 +264,8 @@ def _core_wakes(mounts: tuple[Mount, ...], radius: float, slipstreams_alone: boo
 def interval_weights(knots: Floats, breaks: Floats) -> tuple[NDArray[np.intp], Floats]:
     """Convert a cubic B-spline with ``knots`` to polynomials in n intervals between ``breaks``.
 
-    Return the first of the four coefficients used in each interval (n,), and the polynomials of
-    their weights (n, power, coefficient), of the position from 0 to 1 in the interval.
+    Return the index of the first of the four coefficients used in each interval (n,).  Also return
+    their weights as polynomials (n, power, coefficient) of the position in the interval, 0 to 1.
     """
     from scipy.interpolate import BSpline
 
@@ -284,12 +285,12 @@ def seen_wake(
 ) -> tuple[Any, float]:
     """Return the velocity induced by the wake of ``source`` at the disk of ``target``.
 
-    Both rotors have the ``radius`` [m].  The first result is a spline of the velocity against the
-    target's axis per density of circulation [-], over skew and bearing [rad] of the wake.  The
-    second result is the bearing of the target in the source's frame [rad], where the bearing of the
-    spline is zero.  Pairs with equal relative positions share one spline.  The velocity is zero at
-    rotors above the source that overlap it.  With ``slipstreams_alone`` it is also zero at rotors
-    that do not overlap the source.
+    Both rotors have the ``radius`` [m].  The first result is a spline over skew and bearing [rad]
+    of the wake.  It contains the velocity against the target's axis, divided by the circulation per
+    length [-].  The second result is the bearing of the target in the source's frame [rad].  The
+    bearings in the spline are relative to this bearing.  Pairs with equal relative positions share
+    one spline.  The velocity is zero at rotors above the source that overlap it.  With
+    ``slipstreams_alone`` it is also zero at rotors that do not overlap the source.
     """
     frame = frame_of(source.axis)
     offset = frame @ (np.subtract(target.position, source.position) / radius)
@@ -372,7 +373,7 @@ def _disk() -> tuple[Floats, Floats]:
 # J. G. Leishman, M. Syal, J. Am. Helicopter Soc. 53, 2008, doi 10.4050/JAHS.53.290.
 
 IN_ONE_PLANE = 0.05
-"""Height over radius below which overlapping disks are modeled as separate rotors in one plane."""
+"""Height in radii below which overlapping disks are modeled as separate rotors in one plane."""
 
 PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 
@@ -380,8 +381,8 @@ PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 def depth_below(source: Mount, target: Mount, radius: float) -> float:
     """Return the depth of ``target`` below an overlapping ``source`` in radii; negative if above.
 
-    The depth is 0 for rotors that are coplanar, have axes that are not parallel, or do not overlap
-    in the view along the axis of the ``source``.
+    The depth is 0 for coplanar rotors and for rotors whose axes are not parallel.  It is also 0 for
+    rotors that do not overlap in the view along the axis of the ``source``.
     """
     frame = frame_of(source.axis)
     x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
@@ -416,8 +417,8 @@ def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Flo
     Returns
     -------
     ndarray, shape (...)
-        Velocity per density of circulation, as in ``axial_velocity`` [-]; 1/2 for a coaxial disk
-        without skew.
+        Velocity divided by the circulation per length, as in ``axial_velocity`` [-]; 1/2 for a
+        coaxial disk without skew.
     """
     tangent = np.tan(np.minimum(skew, 0.5 * np.pi - 1e-6))
     path = depth * np.hypot(1.0, tangent)
@@ -458,7 +459,7 @@ CYLINDER_AZIMUTHS = 32
 surface, and a few percent on the surface."""
 
 CORE = 0.05
-"""Radius of the core of the vortex sheet over the rotor radius [-].  The core smooths the jump of
+"""Radius of the core of the vortex sheet in rotor radii [-].  The core smooths the jump of
 the velocity across the wake's surface, so that the loads are smooth when a wake passes a rotor."""
 
 
@@ -467,7 +468,7 @@ def axial_velocity(
 ) -> Floats:
     """Return the downward velocity induced by a rotor's wake, per unit of vortex-sheet strength.
 
-    The strength is the density of circulation along the wake [m/s].
+    The strength is the circulation per length of the wake [m/s].
 
     Parameters
     ----------
@@ -496,7 +497,7 @@ def axial_velocity(
     # The z components of e_t x a and e_t x d, with e_t = (-sin(psi), cos(psi), 0).
     ring = -sine * from_y - cosine * from_x
     wake = -sine * along_y - cosine * along_x
-    # The circulation of rings that push air down is opposite, so both terms are along -z.
+    # Rings that push air down circulate against e_t, so positive terms are velocities along -z.
     total: Floats = np.mean((ring / distance - wake) / beside, axis=-1)
     return 0.5 * total
 
