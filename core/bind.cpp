@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <thread>
 
@@ -37,6 +38,8 @@ using Shape = std::vector<std::size_t>;
 // Operating points: a row for each variable of `Flow`, a column for each point.
 using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>, nb::c_contig, nb::device::cpu>;
 
+// Intervals of a blade (`BladeShape`), one per row.
+using Intervals = nb::ndarray<const double, nb::shape<-1, 9>, nb::c_contig, nb::device::cpu>;
 // Vectors (N, 3), one per row.
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
@@ -185,10 +188,14 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
 
     static Law read(const nb::dict& from) {  // the law of this kind
         const auto kind = nb::cast<std::string>(from["kind"]);
-        if (from.contains("angle")) {
-            const auto angles = array_of(from["angle"]).size(), rows = array_of(from["reynolds"]).size();
-            expect("angle", angles, 4, true), expect("reynolds", rows, 1, true);
-            for (const char* name : {"lift", "drag"}) array_of(from, name, angles * rows);
+        if (from.contains("knots")) {
+            const auto intervals = array_of(from["knots"]).size() - 1, rows = array_of(from["log_re"]).size();
+            expect("knots", intervals + 1, 2, true), expect("log_re", rows, 1, true);
+            for (const char* name : {"stall_up", "stall_down"}) array_of(from, name, rows);
+            array_of(from, "rows", 16 * rows * intervals);
+            const auto first = array_of(from["first"]);
+            expect("first", first.size(), 1, true);
+            for (double k : first) if (!(k >= 0.0 && k < double(intervals))) refuse("the array first has an interval that does not exist");
         }
         Law law;
         const auto try_one = [&]<class One>(One one) {
@@ -381,10 +388,12 @@ class CoreRotor {
     }
 
     static BladeShape shape(const nb::dict& blade) {
-        const auto station = array_of(blade["station"]);
-        expect("station", station.size(), 3, true);
-        const auto chord = array_of(blade, "chord", station.size()), twist = array_of(blade, "twist", station.size());
-        return make_blade(station, chord, twist, nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"]));
+        BladeShape shape{{}, number(blade, "root"), number(blade, "tip"), nb::cast<int>(blade["blades"])};
+        const auto rows = nb::cast<Intervals>(blade["intervals"]);
+        expect("intervals", rows.shape(0), 1, true);
+        shape.intervals.resize(rows.shape(0));
+        std::memcpy(shape.intervals.data(), rows.data(), rows.nbytes());
+        return shape;
     }
 
     // Write the loads, status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
@@ -400,7 +409,6 @@ class CoreRotor {
     template <template <class> class LawOf>
     Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
         Rotor<double, LawOf> r;
-        if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
         r.blade = blade_.get();
         static_cast<LawOf<double>&>(r.law) = law;
         r.density = number(air, "density"), r.viscosity = number(air, "viscosity");

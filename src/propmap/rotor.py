@@ -16,6 +16,7 @@ from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
 from propmap.model.airfoil import GROWING, GROWTHS
 from propmap.model.corrections import Installed, name_of
 from propmap.model.model import Model
+from propmap.model.propeller import blade_intervals
 from propmap.operating_points import (
     FAR,
     FlowPoints,
@@ -113,10 +114,9 @@ class Rotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
-        blade: dict[str, Any] = {"blades": int(p.blades), "root": float(p.root)}
-        for name in ("station", "chord", "twist"):
-            blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
-        blade["twist"] = blade["twist"] + more_twist
+        root, tip = self.model.span
+        intervals = blade_intervals(p, root, more_twist)
+        blade = {"blades": p.blades, "root": root, "tip": tip, "intervals": intervals}
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         fine = self.accuracy == "fine"
         return core.Rotor(blade, law, medium, core_corrections(self.model), fine)

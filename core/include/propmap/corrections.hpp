@@ -37,13 +37,13 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
     Lanes chord, twist, chord_slope, twist_slope;
     for (int k = 0; k < width; ++k) {
         const auto& i = rotor.blade->at(value(radius)[k]);
-        const double per = 1.0 / i.width, t = (value(radius)[k] - i.start) * per;
+        const double t = value(radius)[k] - i.start;
         const double *c = i.chord, *w = i.twist;
         chord[k] = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
         twist[k] = w[0] + t * (w[1] + t * (w[2] + t * w[3]));
         if constexpr (IsDual<T>) {
-            chord_slope[k] = per * (c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]));
-            twist_slope[k] = per * (w[1] + t * (2.0 * w[2] + t * 3.0 * w[3]));
+            chord_slope[k] = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
+            twist_slope[k] = w[1] + t * (2.0 * w[2] + t * 3.0 * w[3]);
         }
     }
     const auto& change = rotor.change;

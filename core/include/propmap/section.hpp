@@ -11,7 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "pchip.hpp"
 #include "velocities.hpp"
 
 namespace propmap {
@@ -148,115 +147,19 @@ template <class S> struct GrowingLaw : BlendedLaw<S> {
     }
 };
 
-// The numbers of a tabulated law.  For each interval of angles and each Reynolds number, the table contains
-// cubics of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re), lowest power first.
+// The numbers of a tabulated law (`SectionTable.core_law` in Python).  For each interval of angles and each Reynolds
+// number, the table contains cubics of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re), lowest power first.
 struct SectionTable {
     std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
     std::vector<int> first;      // for each of many equal steps around the circle: the interval at its start
     std::vector<double> rows;    // 16 numbers per Reynolds number and interval
     std::vector<double> log_re;  // rising
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
-    double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
     // Stall width, assumed for every table [rad].  A smaller width requires more azimuths and a stricter limit on the
     // error (rotor.hpp).
     double stall_width = 0.014;
 };
-
-// Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.
-inline SectionTable make_section_table(const std::vector<double>& angle, const std::vector<double>& reynolds,
-                                       std::vector<double> lift, std::vector<double> drag) {
-    const std::size_t k_all = angle.size(), rows = reynolds.size();
-    SectionTable t;
-    for (double re : reynolds) t.log_re.push_back(std::log(re));
-    // If lift rises through zero at several angles, the one nearest to zero counts.
-    const double* middle = &lift[rows / 2 * k_all];
-    t.zero_lift_angle = INFINITY;
-    for (std::size_t k = 0; k + 1 < k_all; ++k) {
-        if (!(middle[k] <= 0.0 && middle[k + 1] > 0.0)) continue;
-        const double zero = angle[k] - middle[k] / (middle[k + 1] - middle[k]) * (angle[k + 1] - angle[k]);
-        if (std::fabs(zero) < std::fabs(t.zero_lift_angle)) t.zero_lift_angle = zero;
-    }
-    // Measure angles from zero lift, in rising order from -pi.
-    std::vector<std::pair<double, std::size_t>> turned;
-    for (std::size_t k = 0; k + 1 < k_all; ++k) {
-        const double from = angle[k] - t.zero_lift_angle + pi;
-        turned.emplace_back(from - 2.0 * pi * std::floor(from / (2.0 * pi)) - pi, k);
-    }
-    std::sort(turned.begin(), turned.end());
-    const bool cut = turned[0].first > -pi;
-    if (cut) t.knots.push_back(-pi);
-    for (const auto& [from, k] : turned) t.knots.push_back(from);
-    t.knots.push_back(pi);
-    const std::size_t knots = t.knots.size();
-    const auto rearranged = [&](const std::vector<double>& values) {
-        std::vector<double> r;
-        for (std::size_t row = 0; row < rows; ++row) {
-            const auto at = [&](std::size_t j) { return values[row * k_all + turned[j].second]; };
-            const std::size_t last = turned.size() - 1;
-            const double share = (pi - turned[last].first) / (turned[0].first + 2.0 * pi - turned[last].first);
-            const double end = cut ? at(last) + share * (at(0) - at(last)) : at(0);
-            if (cut) r.push_back(end);
-            for (std::size_t j = 0; j < turned.size(); ++j) r.push_back(at(j));
-            r.push_back(end);
-        }
-        return r;
-    };
-    lift = rearranged(lift), drag = rearranged(drag);
-    // Derivatives with respect to ln(Re): zero at the lowest and the highest Reynolds number.
-    const auto by_log_re = [&](const std::vector<double>& values) {
-        std::vector<double> r(values.size(), 0.0), column(rows);
-        for (std::size_t k = 0; k < knots && rows > 2; ++k) {
-            for (std::size_t row = 0; row < rows; ++row) column[row] = values[row * knots + k];
-            const auto slope = pchip_slopes(t.log_re, column);
-            for (std::size_t row = 1; row + 1 < rows; ++row) r[row * knots + k] = slope[row];
-        }
-        return r;
-    };
-    const std::vector<double> tables[4] = {lift, by_log_re(lift), drag, by_log_re(drag)};
-    t.rows.resize(rows * (knots - 1) * 16);
-    for (std::size_t row = 0; row < rows; ++row)
-        for (int which = 0; which < 4; ++which) {
-            const std::vector<double> y(tables[which].begin() + row * knots, tables[which].begin() + (row + 1) * knots);
-            const auto slope = pchip_slopes(t.knots, y);
-            for (std::size_t k = 0; k + 1 < knots; ++k) {
-                const double h = t.knots[k + 1] - t.knots[k], rise = (y[k + 1] - y[k]) / h;
-                double* c = &t.rows[16 * (row * (knots - 1) + k) + 4 * which];
-                c[0] = y[k], c[1] = slope[k];
-                c[2] = (3.0 * rise - 2.0 * slope[k] - slope[k + 1]) / h, c[3] = (slope[k] + slope[k + 1] - 2.0 * rise) / (h * h);
-            }
-        }
-    // Equal steps around the circle, shorter than any interval.
-    double least = 2.0 * pi;
-    for (std::size_t k = 0; k + 1 < knots; ++k) least = std::min(least, t.knots[k + 1] - t.knots[k]);
-    const int count = int(std::ceil(2.0 * pi / (0.999 * least)));
-    for (int step = 0; step < count; ++step) {
-        const auto after = std::upper_bound(t.knots.begin(), t.knots.end(), -pi + 2.0 * pi * step / count);
-        t.first.push_back(std::clamp(int(after - t.knots.begin()) - 1, 0, int(knots) - 2));
-    }
-    // Stall is the first peak of lift on either side of zero lift; the largest peak may be the one near 45 deg.  Up to
-    // the angle `attached`, lift is below 0.9 of its value at stall at all Reynolds numbers: flow counts as attached.
-    const std::size_t zero = std::lower_bound(t.knots.begin(), t.knots.end(), 0.0) - t.knots.begin();
-    double attached = pi;
-    for (std::size_t row = 0; row < rows; ++row) {
-        const double* l = &lift[row * knots];
-        std::size_t up = zero, down = zero - 1;
-        while (up + 1 < knots && !(l[up] > 0.0 && l[up + 1] < l[up])) ++up;
-        while (down > 0 && !(l[down] < 0.0 && l[down - 1] > l[down])) --down;
-        t.stall_up.push_back(t.knots[up]), t.stall_down.push_back(t.knots[down]);
-        std::size_t k = zero;
-        while (k < up && l[k] < 0.9 * l[up]) ++k;
-        const double part = k > zero ? (0.9 * l[up] - l[k - 1]) / (l[k] - l[k - 1]) : 1.0;
-        attached = std::min(attached, k > zero ? t.knots[k - 1] + part * (t.knots[k] - t.knots[k - 1]) : t.knots[k]);
-    }
-    t.attached_slope = 0.0;
-    for (std::size_t row = 0; row < rows; ++row) {
-        const std::size_t k = std::upper_bound(t.knots.begin(), t.knots.end(), attached) - t.knots.begin() - 1;
-        const double* l = &lift[row * knots + k];
-        t.attached_slope += (l[0] + (attached - t.knots[k]) / (t.knots[k + 1] - t.knots[k]) * (l[1] - l[0])) / attached / double(rows);
-    }
-    return t;
-}
 
 // C_L and C_D from a table, by monotone cubics in the angle and in ln(Re).  Outside the table, the nearest Re is used.
 template <class S> struct TabulatedLaw {
@@ -267,9 +170,10 @@ template <class S> struct TabulatedLaw {
     static constexpr const char* kind = "tabulated";
     template <class Visit> void each_number(Visit visit) { visit("zero_lift_angle", zero_lift_angle); }
     template <class Source> void read_fixed(const Source& from) {
-        table = std::make_shared<SectionTable>(make_section_table(from.numbers("angle"), from.numbers("reynolds"),
-                                                                  from.numbers("lift"), from.numbers("drag")));
-        zero_lift_angle = table->zero_lift_angle;
+        const auto first = from.numbers("first");
+        table = std::make_shared<SectionTable>(SectionTable{
+            from.numbers("knots"), {first.begin(), first.end()}, from.numbers("rows"), from.numbers("log_re"),
+            from.numbers("stall_up"), from.numbers("stall_down"), from.number("attached_slope")});
     }
     template <class Law> void copy_fixed(const Law& from) { table = from.table; }
 
@@ -311,7 +215,8 @@ template <class S> struct TabulatedLaw {
         const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
         const double step = (angle + pi) * (count / (2.0 * pi));
         int k = table->first[step >= 0.0 ? std::min(int(std::min(step, count - 1.0)), count - 1) : 0];
-        return k + (angle >= table->knots[k + 1] && k < intervals - 1);
+        while (k < intervals - 1 && angle >= table->knots[k + 1]) ++k;
+        return k;
     }
 
     // Return the interval of ln(Re).  Set the fraction t in this interval, and whether `log_re` is inside the table.
