@@ -216,8 +216,7 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
             assert pool.submit(answered, call).result() >= (1 if call == "inflow" else 5)
 
 
-STATION = np.linspace(0.02, 0.1, 5)
-BLADE = {"station": STATION, "chord": STATION, "twist": STATION, "blades": 2, "root": 0.02}
+BLADE = {"intervals": np.full((4, 9), 0.1), "blades": 2, "root": 0.02, "tip": 0.1}
 AIR = {"density": 1.2, "viscosity": 1.8e-5}
 FRAME = airframe(Body(), None, 1.2)
 AXIS = np.array([0.0, 1.0])
@@ -332,10 +331,7 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         4: ("thrust", 4),
     }.items():
         calls[f"{name} of wakes"] = (length, flow_in_wakes(k))
-    for name in ("chord", "twist"):
-        given = with_one(BLADE, name)
-        calls[name] = (5, lambda x, of=given: core.Rotor(of(x), law(), AIR, {}, False))
-    for name in ("lift", "drag"):
+    for name in ("rows", "stall_up", "stall_down"):
         given, good = with_one(plate, name), plate[name]
         calls[name] = (
             good.size,
@@ -371,8 +367,13 @@ def without_dynamics() -> Any:
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: core.Rotor({**BLADE, "station": STATION[:2]}, law(), AIR, {}, False),
-        lambda: core.section_coefficients({**law("table"), "angle": FLAT[:0]}, FLAT, FLAT),
+        lambda: core.Rotor({**BLADE, "intervals": np.ones((0, 9))}, law(), AIR, {}, False),
+        *(
+            lambda name=name: core.section_coefficients(
+                {**law("table"), name: FLAT[:0]}, FLAT, FLAT
+            )
+            for name in ("knots", "log_re", "first")
+        ),
         lambda: table((0, lambda _: (AXIS[:1], FLAT[:0])))(FLAT),
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
@@ -388,6 +389,13 @@ def without_dynamics() -> Any:
 def test_arrays_too_short_or_too_long_are_refused(call: Callable[[], Any]) -> None:
     with pytest.raises((pm.InputError, TypeError), match=r"has the length|incompatible function"):
         call()
+
+
+@pytest.mark.parametrize("interval", [-1.0, 72.0, np.nan])
+def test_a_table_without_an_interval_of_its_index_is_refused(interval: float) -> None:
+    first = np.append(law("table")["first"], interval)
+    with pytest.raises(pm.InputError, match="interval that does not exist"):
+        core.section_coefficients({**law("table"), "first": first}, FLAT, FLAT)
 
 
 def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
