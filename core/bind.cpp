@@ -153,7 +153,7 @@ class Argument {
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
     std::atomic<std::size_t> next{0};
     std::atomic<bool> stop{false};
-    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::size_t(std::max(threads, 1))), 1, 16);
+    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::size_t(std::max(threads, 1))), 4, 16);
     const auto work = [&](bool listens) {
         auto last = std::chrono::steady_clock::now();
         for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;) {
