@@ -88,6 +88,29 @@ Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // zeros
                    nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
 }
 
+// An array (rows, N) whose column k is `one(k)`.
+template <class One> Numbers columns(std::size_t n, One one) {
+    double* to;
+    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
+    auto array = make_array({rows, n}, to);
+    for (std::size_t k = 0; k < n; ++k) {
+        const auto found = one(k);
+        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
+    }
+    return array;
+}
+
+// Two arrays (..., 3), whose vectors k are the pair `one(k)`.
+template <class One> nb::tuple vector_pairs(const Shape& shape, One one) {
+    double *first, *second;
+    auto firsts = make_array(shape, first, 3), seconds = make_array(shape, second, 3);
+    for (std::size_t k = 0; k < firsts.size() / 3; ++k) {
+        const auto [a, b] = one(k);
+        first = keep(a, first), second = keep(b, second);
+    }
+    return nb::make_tuple(firsts, seconds);
+}
+
 // An argument of a call in Python: a float or an array.  If `each` > 0, the last axis contains `each` numbers per point.
 // Points broadcast as in NumPy.  `...` is read as zero.
 class Argument {
@@ -335,32 +358,24 @@ class CoreRotor {
         return std::visit([&](const auto& solver) { return propmap::attached_thrust(solver.rotor(), flow); }, solver_);
     }
 
-    // The solution at one operating point: nodes with inflow and residual, and the edges of the panels.
+    // The solution at one operating point: radius, inflow and residual of the nodes, and the edges of the panels.
     nb::dict solution(const Points& points) const {
         expect("points", points.shape(1), 1);
         return std::visit([&](const auto& solver) {
             Solution s;
             solver.solve(point(points, 0), s);
             const auto of = solver.annuli(s);
-            const std::size_t n = s.disk.nodes;
-            double *radius, *inflow, *residual, *edge;
             nb::dict result;
-            result["radius"] = make_array({n}, radius), result["inflow"] = make_array({n}, inflow);
-            result["residual"] = make_array({n}, residual);
-            for (std::size_t k = 0; k < n; ++k) {
-                const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
-                radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
-                residual[k] = solver.rotor().density * g.v[k % width];
-            }
-            result["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            result["nodes"] = columns(s.disk.nodes, [&](std::size_t k) {
+                const auto& at = s.disk.at[k / width];
+                const Lanes inflow = s.disk.inflow[k / width], residual = solver.rotor().density * of.residual(at, inflow).v;
+                return std::array{at.radius[k % width], inflow[k % width], residual[k % width]};
+            });
+            result["edges"] = columns(s.disk.panels + 1, [&](std::size_t k) { return std::array{s.disk.edge[k].radius}; });
             nb::list folds;
             const char* kinds[] = {"", "fold", "shoulder", "angle"};
-            for (int k = 0; k <= s.disk.panels; ++k) {
-                edge[k] = s.disk.edge[k].radius;
-                folds.append(kinds[int(s.disk.edge[k].kind)]);
-            }
-            result["fold"] = folds, result["azimuths"] = 2 * s.psi.count;
-            result["windmill"] = s.windmill;
+            for (int k = 0; k <= s.disk.panels; ++k) folds.append(kinds[int(s.disk.edge[k].kind)]);
+            result["folds"] = folds, result["azimuths"] = 2 * s.psi.count, result["windmill"] = s.windmill;
             return result;
         }, solver_);
     }
@@ -378,8 +393,6 @@ class CoreRotor {
             return s.result.status;
         }, solver_);
     }
-
-    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
 
   private:
     template <template <class> class LawOf> const DynamicInflow<LawOf>& dynamic(const RotorSolver<LawOf>& solver) const {
@@ -442,18 +455,6 @@ TableAxis axis_of(const nb::tuple& from, std::size_t values) {  // the axis from
     return axis;
 }
 
-// An array (rows, N) whose column k is `one(k)`.
-template <class One> Numbers columns(std::size_t n, One one) {
-    double* to;
-    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
-    auto array = make_array({rows, n}, to);
-    for (std::size_t k = 0; k < n; ++k) {
-        const auto found = one(k);
-        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
-    }
-    return array;
-}
-
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
 class CoreTable {
   public:
@@ -483,18 +484,16 @@ class CoreTable {
         return found;
     }
 
-    Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {  // the numbers of `point`, (L + 2, N)
-        const std::size_t n = omega.size();
-        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        return columns(n, [&](std::size_t k) { return point(omega.data()[k], speed.data()[k], beta.data()[k], clamp); });
+    // Omega, speed and beta of N points.
+    using Points = nb::ndarray<const double, nb::shape<3, -1>, nb::c_contig, nb::device::cpu>;
+
+    Numbers loads(Points at, bool clamp) const {  // the numbers of `point`, (L + 2, N)
+        return columns(at.shape(1), [&](std::size_t k) { return point(at(0, k), at(1, k), at(2, k), clamp); });
     }
 
-    // Points brought into the envelope (3, N); omega is NaN for points outside.
-    Numbers bounded(Vector omega, Vector speed, Vector beta) const {
-        const std::size_t n = omega.size();
-        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        return columns(n, [&](std::size_t k) {
-            const auto at = of_.bounded(omega.data()[k], speed.data()[k], beta.data()[k], false);
+    Numbers bounded(Points given) const {  // points brought into the envelope (3, N); omega is NaN for points outside
+        return columns(given.shape(1), [&](std::size_t k) {
+            const auto at = of_.bounded(given(0, k), given(1, k), given(2, k), false);
             return std::array{at.omega, at.speed, at.beta};
         });
     }
@@ -527,19 +526,14 @@ Numbers hub_flows(Vectors axes, Vectors hubs) {
 // Forces, and moments about the hubs, (P, N, 3) each, from loads (L, P, N); arguments as in `hub_flows`.
 nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
                        nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
-    double *force, *moment;
     const std::size_t p = loads.shape(1), n = loads.shape(2), m = axes.shape(0);
     expect("axes", m, 1, true), expect("spins", spins.size(), m), expect("downstream", downstream.shape(0), n);
-    auto forces = make_array({p, n, 3}, force), moments = make_array({p, n, 3}, moment);
-    for (std::size_t k = 0; k < p * n; ++k) {
+    return vector_pairs({p, n}, [&](std::size_t k) {
         Loads<double> one;
-        for (int j = 0; j < Loads<double>::count; ++j) one.begin()[j] = loads.data()[j * p * n + k];
-        const std::size_t at = k % n;
-        const Vector3 ahead = add({}, -1.0, vector(downstream.data() + 3 * at));
-        const Wrench w = hub_wrench(vector(axes.data() + 3 * (at % m)), spins.data()[at % m], ahead, one);
-        force = keep(w.force, force), moment = keep(w.moment, moment);
-    }
-    return nb::make_tuple(forces, moments);
+        for (int j = 0; j < Loads<double>::count; ++j) one.begin()[j] = loads(j, k / n, k % n);
+        const Vector3 ahead = add({}, -1.0, vector(&downstream(k % n, 0)));
+        return hub_wrench(vector(&axes(k % n % m, 0)), spins(k % n % m), ahead, one);
+    });
 }
 
 Airframe airframe(const nb::dict& from) {  // the airframe from a dictionary of numbers
@@ -556,14 +550,10 @@ Airframe airframe(const nb::dict& from) {  // the airframe from a dictionary of 
 // Forces of body and wing, (N, 3) each.
 nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
     const Airframe frame = airframe(of);
-    double *body, *wing;
-    const std::size_t n = velocity.shape(0);
-    auto bodies = make_array({n, 3}, body), wings = make_array({n, 3}, wing);
-    for (std::size_t k = 0; k < n; ++k) {
-        const Vector3 v = vector(velocity.data() + 3 * k);
-        body = keep(frame.body_force(v), body), wing = keep(frame.wing_force(v), wing);
-    }
-    return nb::make_tuple(bodies, wings);
+    return vector_pairs({velocity.shape(0)}, [&](std::size_t k) {
+        const Vector3 v = vector(&velocity(k, 0));
+        return std::pair{frame.body_force(v), frame.wing_force(v)};
+    });
 }
 
 // The wakes of the m rotors of a vehicle on each other.
@@ -748,8 +738,7 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("inflow_motion", &CoreRotor::inflow_motion, nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg(), nb::arg())
         .def("disk_field", &CoreRotor::disk_field)
-        .def("attached_thrust", &CoreRotor::attached_thrust)
-        .def_prop_ro("span", &CoreRotor::span);
+        .def("attached_thrust", &CoreRotor::attached_thrust);
     nb::class_<CoreTable>(m, "Table")
         .def(nb::init<const nb::tuple&, const nb::tuple&, CoreTable::Values, CoreTable::Cells, const nb::tuple&, double>())
         .def("point", &CoreTable::point)

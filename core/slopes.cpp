@@ -6,8 +6,6 @@ namespace propmap {
 
 namespace {
 
-constexpr int together = 5;  // derivatives per pass, in registers; with 8, a pass for 4 derivatives takes 1.7 times as long
-
 // The numbers of blade, flow, law and mount with their names.
 template <class S, template <class> class LawOf>
 std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
@@ -19,8 +17,6 @@ std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
     if (rotor.installed) all.emplace_back("drag_factor", &rotor.drag_factor), all.emplace_back("mount_area", &rotor.mount_area);
     return all;
 }
-
-using Slope = Dual<double, together>;
 
 // Derivatives of the loads with respect to `count` numbers, at most `together`.
 template <template <class> class LawOf>
@@ -38,7 +34,7 @@ Loads<Slope> slopes_by(const RotorSolver<LawOf>& solver, const Solution& s, cons
     for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
     for (std::size_t d = 0; d < count; ++d) now[which[d]].second->d[d] = 1.0;
     rotor.law.copy_fixed(from.law);
-    return load_slopes<together>(solver, s, at_rest, rotor, flow);
+    return load_slopes(solver, s, at_rest, rotor, flow);
 }
 
 }  // namespace

@@ -363,12 +363,13 @@ class Rotor:
             For arrays, and for values that ``loads`` refuses.
         """
         found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
+        radius, inflow, residual = found["nodes"]
         return results.SearchReport(
-            radius=found["radius"],
-            inflow=found["inflow"],
-            residual=found["residual"],
-            found=np.isfinite(found["inflow"]),
-            edges=found["edge"],
+            radius=radius,
+            inflow=inflow,
+            residual=residual,
+            found=np.isfinite(inflow),
+            edges=found["edges"][0],
             azimuths=found["azimuths"],
             tip=self.model.span[1],
         )

@@ -289,10 +289,6 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         "reynolds": (3, lambda x: core.section_coefficients(law(), np.ones(3), x)),
         "points solution": (1, lambda x: one.solution(np.ones((5, len(x))))),
         "points field": (1, lambda x: one.disk_field(np.ones((5, len(x))), [0.05], [0.0])),
-        "speed": (3, lambda x: full.loads(rows[0], x, rows[2], False)),
-        "beta": (3, lambda x: full.loads(rows[0], rows[1], x, False)),
-        "speed bounded": (3, lambda x: full.bounded(rows[0], x, rows[2])),
-        "beta bounded": (3, lambda x: full.bounded(rows[0], rows[1], x)),
         "beta slopes": (3, lambda x: full.slopes(rows[0], x)),
         "spins": (1, lambda x: core.hub_wrenches(up, x, three, loads)),
         "downstream": (3, lambda x: core.hub_wrenches(up, np.ones(1), np.ones((len(x), 3)), loads)),
@@ -378,6 +374,8 @@ def without_dynamics() -> Any:
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
         lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
+        lambda: core.Table(KNOTS, KNOTS, *TABLE).loads(np.ones((2, 3)), False),
+        lambda: core.Table(KNOTS, KNOTS, *TABLE).bounded(np.ones((4, 3))),
         lambda: core.Wakes(np.eye(3)[:2], FLAT[:0].reshape(0, 3), KNOTS, KNOTS, np.ones((1, 4, 4))),
         lambda: core.Wakes(np.eye(3), np.zeros((2, 3)), KNOTS, KNOTS, np.ones((1, 4, 4))),
         lambda: wakes(2).flow(np.ones(5), *np.ones((2, 3)), np.ones((3, 3)), np.ones(3)),
@@ -406,8 +404,8 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         assert one.loads(rows, (), 1)[0].shape == (11, count)
         assert one.loads(rows, ["omega"], 1)[1].shape == (6, 1, count)
         assert one.attached_thrust(rows).shape == one.hover_inflow(0.0 * ones, 1).shape == (count,)
-        assert full.loads(ones, ones, ones, False).shape == (8, count)
-        assert full.bounded(ones, ones, ones).shape == (3, count)
+        assert full.loads(np.ones((3, count)), False).shape == (8, count)
+        assert full.bounded(np.ones((3, count))).shape == (3, count)
         assert full.slopes(ones, ones).shape == (count, 2, 2, 12)
         assert core.section_coefficients(law(), ones, ones).shape == (2, count)
         assert core.hub_flows(np.eye(3), vectors).shape == (5, count)

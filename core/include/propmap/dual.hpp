@@ -8,21 +8,9 @@
 
 namespace propmap {
 
-// Derivatives along N directions.  A single derivative is not an array, so that compilers keep it in a register.
-template <class V, int N> struct Slopes {
-    V along[N];
-    V& operator[](int k) { return along[k]; }
-    const V& operator[](int k) const { return along[k]; }
-};
-template <class V> struct Slopes<V, 1> {
-    V only;
-    V& operator[](int) { return only; }
-    const V& operator[](int) const { return only; }
-};
-
 template <class V, int N> struct Dual {  // value and derivatives
     V v;
-    Slopes<V, N> d;
+    V d[N];
 };
 
 template <class T> struct Traits {  // number of directions, and type of the value

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -177,39 +178,10 @@ template <class S> struct TabulatedLaw {
     }
     template <class Law> void copy_fixed(const Law& from) { table = from.table; }
 
-    struct Value {  // a coefficient and its derivatives
-        double value, by_angle, by_log_re;
-    };
-
     template <class R> auto zero_lift_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> double lift_growth_at(const R&) const { return 1.0; }
     template <class R> double drag_growth_at(const R&) const { return 1.0; }
-
-    // C_L (which = 0) or C_D (which = 8) in interval k of angles and interval r of ln(Re).  `along` is the angle [rad]
-    // past the start of interval k, and t the fraction of interval r.
-    Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
-        const int intervals = int(table->knots.size()) - 1;
-        const auto cubic = [&](int row, int at) {
-            const double* c = &table->rows[16 * std::size_t(row) + at];
-            return Value{c[0] + along * (c[1] + along * (c[2] + along * c[3])),
-                         c[1] + along * (2.0 * c[2] + along * 3.0 * c[3]), 0.0};
-        };
-        if (table->log_re.size() == 1) return cubic(k, which);
-        const int below = r * intervals + k, above = below + intervals;
-        const Value f0 = cubic(below, which), f1 = cubic(above, which);
-        const Value m0 = cubic(below, which + 4), m1 = cubic(above, which + 4);
-        const auto between = [&](double y0, double y1, double s0, double s1, double& slope) {
-            const double rise = y1 - y0, a = width_of_re * s0, b = width_of_re * s1;
-            const double c2 = 3.0 * rise - 2.0 * a - b, c3 = a + b - 2.0 * rise;
-            slope = (a + t * (2.0 * c2 + t * 3.0 * c3)) / width_of_re;
-            return y0 + t * (a + t * (c2 + t * c3));
-        };
-        double by_log_re, unused;
-        const double v = between(f0.value, f1.value, m0.value, m1.value, by_log_re);
-        const double s = between(f0.by_angle, f1.by_angle, m0.by_angle, m1.by_angle, unused);
-        return {v, s, by_log_re};
-    }
 
     int interval(double angle) const {  // the interval that contains this angle
         const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
@@ -219,15 +191,35 @@ template <class S> struct TabulatedLaw {
         return k;
     }
 
-    // Return the interval of ln(Re).  Set the fraction t in this interval, and whether `log_re` is inside the table.
-    int among_reynolds(double log_re, double& t, bool& inside) const {
+    // A place among the Reynolds numbers: a number of the table, and the fraction of the way to the next number.  A
+    // coefficient, and its derivative with respect to ln(Re), are sums over `count` values, weighted by `at` and `slope`:
+    // the coefficient and its derivative with respect to ln(Re) at the first number, and the same at the next number.
+    struct Place {
+        std::size_t row;
+        int count;
+        double fraction, at[4], slope[4];
+    };
+    Place place_of(double log_re) const {
         const auto& x = table->log_re;
-        if (x.size() == 1) return t = 0.0, inside = false, 0;
-        inside = log_re > x.front() && log_re < x.back();
-        log_re = std::clamp(log_re, x.front(), x.back());
-        const int r = int(std::upper_bound(x.begin() + 1, x.end() - 1, log_re) - x.begin()) - 1;
-        t = (log_re - x[r]) / (x[r + 1] - x[r]);
-        return r;
+        const std::size_t next = std::upper_bound(x.begin(), x.end(), log_re) - x.begin();
+        if (next == 0 || next == x.size()) return {next == 0 ? 0 : next - 1, 1, 0.0, {1.0}, {}};
+        const double span = x[next] - x[next - 1], t = (log_re - x[next - 1]) / span, u = 1.0 - t, bump = 6.0 * t * u / span;
+        return {next - 1, 4, t, {u * u * (1.0 + 2.0 * t), span * t * u * u, t * t * (1.0 + 2.0 * u), -span * t * t * u},
+                {-bump, u * (1.0 - 3.0 * t), bump, t * (1.0 - 3.0 * u)}};
+    }
+
+    // C_L (which = 0) or C_D (which = 8), and its derivatives with respect to the angle and ln(Re), in interval k of
+    // angles.  `along` is the angle [rad] past the start of the interval.
+    std::array<double, 3> look_up(int which, int k, double along, const Place& place) const {
+        const std::size_t intervals = table->knots.size() - 1;
+        double value = 0.0, by_angle = 0.0, by_log_re = 0.0;
+        for (int j = 0; j < place.count; ++j) {
+            const double* c = &table->rows[16 * ((place.row + j / 2) * intervals + k) + which + 4 * (j % 2)];
+            const double there = c[0] + along * (c[1] + along * (c[2] + along * c[3]));
+            value += place.at[j] * there, by_log_re += place.slope[j] * there;
+            by_angle += place.at[j] * (c[1] + along * (2.0 * c[2] + along * 3.0 * c[3]));
+        }
+        return {value, by_angle, by_log_re};
     }
 
     template <class F> auto coefficients(const F& flow) const {
@@ -237,31 +229,18 @@ template <class S> struct TabulatedLaw {
         for (int k = 0; k < width; ++k) {
             const double a = value(angle)[k];
             const int at = interval(a);
-            double t;
-            bool inside;
-            const int r = among_reynolds(value(log_re)[k], t, inside);
-            const double span = inside ? table->log_re[r + 1] - table->log_re[r] : 1.0;
-            const Value l = look_up(0, at, a - table->knots[at], r, t, span);
-            const Value d = look_up(8, at, a - table->knots[at], r, t, span);
-            lift[0][k] = l.value, lift[1][k] = l.by_angle, lift[2][k] = inside ? l.by_log_re : 0.0;
-            drag[0][k] = d.value, drag[1][k] = d.by_angle, drag[2][k] = inside ? d.by_log_re : 0.0;
+            const auto place = place_of(value(log_re)[k]);
+            const auto l = look_up(0, at, a - table->knots[at], place), d = look_up(8, at, a - table->knots[at], place);
+            for (int j = 0; j < 3; ++j) lift[j][k] = l[j], drag[j][k] = d[j];
         }
-        const auto of = [&](const Lanes (&f)[3]) {
-            const Lanes none{};
-            return chain(angle, f[0], f[1]) + (chain(log_re, none, f[2]));
-        };
-        const auto c_l = of(lift);
-        const auto c_d = of(drag);
+        const auto c_l = chain(angle, log_re, lift[0], lift[1], lift[2]), c_d = chain(angle, log_re, drag[0], drag[1], drag[2]);
         return Coefficients<decltype(c_l + 0.0), decltype(c_d + 0.0)>{c_l, c_d};
     }
 
     double stall_angle(double reynolds, double side) const {
         const auto& at = side > 0.0 ? table->stall_up : table->stall_down;
-        if (table->log_re.size() == 1) return at[0];
-        double t;
-        bool inside;
-        const int r = among_reynolds(std::log(reynolds), t, inside);
-        return at[r] + t * (at[r + 1] - at[r]);
+        const auto place = place_of(std::log(reynolds));
+        return place.count == 1 ? at[place.row] : at[place.row] + place.fraction * (at[place.row + 1] - at[place.row]);
     }
     double stall_width() const { return table->stall_width; }
     double attached_slope() const { return table->attached_slope; }
