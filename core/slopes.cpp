@@ -60,17 +60,14 @@ void write_slopes(const AnySolver& any, const Solution& s, const Solution& at_re
         Flow<double> flow = s.flow;
         const auto numbers = numbers_of(rotor, flow);
         std::vector<std::size_t> nonlinear, place;  // the other numbers, and the index of each in `which`
-        rotor.mount_area = 1.0;
         // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
+        rotor.mount_area = 1.0;
+        const double by_area = rotor.density * mount_drag(rotor, s.flow, s.result.mean_inflow);
         for (std::size_t d = 0; d < which.size(); ++d) {
             const double* number = numbers[which[d]].second;
-            const bool factor = number == &rotor.drag_factor;
-            if (!factor && number != &rotor.mount_area) {
-                nonlinear.push_back(which[d]), place.push_back(d);
-                continue;
-            }
-            const double by_drag = factor ? s.result.blade_drag : rotor.density * mount_drag(rotor, s.flow, s.result.mean_inflow);
-            for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? by_drag : 0.0);
+            const double by_drag = number == &rotor.drag_factor ? s.result.blade_drag : by_area;
+            if (number != &rotor.drag_factor && number != &rotor.mount_area) nonlinear.push_back(which[d]), place.push_back(d);
+            else for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? by_drag : 0.0);
         }
         for (std::size_t first = 0; first < nonlinear.size(); first += together) {
             const std::size_t count = std::min<std::size_t>(together, nonlinear.size() - first);

@@ -301,8 +301,9 @@ class Rotor:
 
         The inflow is computed from the static thrust of this rotor.
         """
-        w = numbers("omega", omega, negative=False)
-        return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
+        thrust = self.loads(numbers("omega", omega, negative=False), 0.0, 0.0).thrust
+        area = np.pi * self.model.span[1] ** 2
+        return np.asarray(np.sqrt(np.maximum(thrust, 0.0) / (2.0 * self.model.air.density * area)))
 
     def inflow(
         self,
@@ -364,14 +365,9 @@ class Rotor:
         """
         found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
         radius, inflow, residual = found["nodes"]
+        edges, known, tip = found["edges"][0], np.isfinite(inflow), self.model.span[1]
         return results.SearchReport(
-            radius=radius,
-            inflow=inflow,
-            residual=residual,
-            found=np.isfinite(inflow),
-            edges=found["edges"][0],
-            azimuths=found["azimuths"],
-            tip=self.model.span[1],
+            radius, inflow, residual, known, edges, azimuths=found["azimuths"], tip=tip
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:

@@ -403,7 +403,7 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         rows, vectors, ones = np.zeros((5, count)), np.zeros((count, 3)), np.ones(count)
         assert one.loads(rows, (), 1)[0].shape == (11, count)
         assert one.loads(rows, ["omega"], 1)[1].shape == (6, 1, count)
-        assert one.attached_thrust(rows).shape == one.hover_inflow(0.0 * ones, 1).shape == (count,)
+        assert one.attached_thrust(rows).shape == (count,)
         assert full.loads(np.ones((3, count)), False).shape == (8, count)
         assert full.bounded(np.ones((3, count))).shape == (3, count)
         assert full.slopes(ones, ones).shape == (count, 2, 2, 12)

@@ -13,7 +13,6 @@ template <template <class> class LawOf>
 void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii, const std::vector<double>& psi,
                 double* mean, double* local) {
     const auto& rotor = solver.rotor();
-    const bool around = solver.has_harmonics(s);
     const auto& f = s.flow;
     if (f.v_inplane > 0.0) s.psi = azimuths(128);
     Disk disk;
@@ -29,8 +28,7 @@ void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         const Lanes v = (1.0 - ring) * disk.inflow[g] + ring * ring_inflow;
-        auto loads = around ? loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi, s.harmonics))
-                            : loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi));
+        auto loads = loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi, s.harmonics));
         if (rotor.radial_friction && f.v_inplane > 0.0) {
             const auto more = radial_friction(rotor, at, f, v, s.psi);
             loads.drag += more.drag, loads.torque += more.torque;

@@ -43,7 +43,6 @@ inline constexpr double negligible = 1e-13;  // harmonics below this share of th
 // thrust at rest.  A fold between two nodes has the effect of a fold in the middle of them.  Blades that stall
 // abruptly therefore require many nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
-    constexpr int counts[] = {24, 48, 96, 192};
     Solution exact, found;
     const double radius = solver.rotor().tip();
     const auto close = [&](int count) {
@@ -61,7 +60,9 @@ template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& 
         }
         return true;
     };
-    return *std::find_if(std::begin(counts), std::end(counts) - 1, close);
+    for (int count : {24, 48, 96})
+        if (close(count)) return count;
+    return 192;
 }
 
 // Dynamic inflow of a rotor, at a fixed number of nodes.

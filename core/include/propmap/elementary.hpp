@@ -149,9 +149,6 @@ inline Lanes angle_of(Lanes cosine, Lanes sine) {
     return cosine < 0.0 ? turned : near;
 }
 
-template <class T> struct SineCosine { T sine, cosine; };
-
-
 namespace detail {
 
 // Taylor series of cos(x) and sin(x)/x in powers of x^2.
@@ -167,6 +164,8 @@ struct TurnSeries {
 inline constexpr TurnSeries turn_series;
 
 }  // namespace detail
+
+template <class T> struct SineCosine { T sine, cosine; };
 
 // For |x| <= pi, by the series at half the angle; error 3e-16.
 inline SineCosine<Lanes> sine_cosine(Lanes x) {

@@ -79,14 +79,23 @@ template <class S> struct BlendedLaw {
         return logarithm(within * (1.0 / 5e4));
     }
 
-    template <class F> auto coefficients(const F& flow) const {
+    // `growing` selects the factors of `GrowingLaw` on lift and drag.
+    template <bool growing = false, class F> auto coefficients(const F& flow) const {
         const auto angle = radians(flow.alpha);
         const auto& [sine, cosine, change] = flow.alpha;
         const auto separated = c_l2 * separated_share(change, sine, cosine);
-        const auto lift = separated + attached_share(angle) * (c_l1 * angle - separated);  // Eq. (3)
-        const auto drag = c_d * square(propmap::sine(flow.drag_alpha)) +
-                          (2.0 * 1.02) * c_p * flow.inverse_root_reynolds + c_d0;  // Eq. (4)
-        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+        const auto share = attached_share(angle);
+        const auto pressure = c_d * square(propmap::sine(flow.drag_alpha));
+        const auto friction = (2.0 * 1.02) * c_p * flow.inverse_root_reynolds;
+        const auto both = [](const auto& lift, const auto& drag) {
+            return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+        };
+        if constexpr (growing)
+            return both(separated + share * (c_l1 * flow.lift_growth * angle - separated),
+                        (1.0 + share * (flow.drag_growth - 1.0)) * (pressure + c_d0) + friction);
+        else
+            return both(separated + share * (c_l1 * angle - separated),  // Eq. (3)
+                        pressure + friction + c_d0);                     // Eq. (4)
     }
 
     // Separated lift divided by c_l2: sin(a) cos(a) in eq. (3).  For a plate it is divided by 0.56 + 0.44 |sin(a)|
@@ -135,17 +144,7 @@ template <class S> struct GrowingLaw : BlendedLaw<S> {
         return power_of_two(BlendedLaw<S>::log2_e * power * BlendedLaw<S>::log_reynolds(reynolds));
     }
 
-    template <class F> auto coefficients(const F& flow) const {
-        const auto angle = radians(flow.alpha);
-        const auto& [sine, cosine, change] = flow.alpha;
-        const auto separated = this->c_l2 * this->separated_share(change, sine, cosine);
-        const auto share = this->attached_share(angle);
-        const auto lift = separated + share * (this->c_l1 * flow.lift_growth * angle - separated);  // Eq. (3)
-        const auto growth = 1.0 + share * (flow.drag_growth - 1.0);
-        const auto drag = growth * (this->c_d * square(propmap::sine(flow.drag_alpha)) + this->c_d0) +
-                          (2.0 * 1.02) * this->c_p * flow.inverse_root_reynolds;  // Eq. (4)
-        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
-    }
+    template <class F> auto coefficients(const F& flow) const { return BlendedLaw<S>::template coefficients<true>(flow); }
 };
 
 // The numbers of a tabulated law (`SectionTable.core_law` in Python).  For each interval of angles and each Reynolds
@@ -171,10 +170,13 @@ template <class S> struct TabulatedLaw {
     static constexpr const char* kind = "tabulated";
     template <class Visit> void each_number(Visit visit) { visit("zero_lift_angle", zero_lift_angle); }
     template <class Source> void read_fixed(const Source& from) {
-        const auto first = from.numbers("first");
+        const auto knots = from.numbers("knots", 2, true), log_re = from.numbers("log_re", 1, true);
+        const std::size_t intervals = knots.size() - 1, rows = log_re.size();
+        const auto first = from.numbers("first", 1, true);
+        for (double k : first) from.check(k >= 0.0 && k < double(intervals), "the array first has an interval that does not exist");
         table = std::make_shared<SectionTable>(SectionTable{
-            from.numbers("knots"), {first.begin(), first.end()}, from.numbers("rows"), from.numbers("log_re"),
-            from.numbers("stall_up"), from.numbers("stall_down"), from.number("attached_slope")});
+            knots, {first.begin(), first.end()}, from.numbers("rows", 16 * rows * intervals), log_re,
+            from.numbers("stall_up", rows), from.numbers("stall_down", rows), from.number("attached_slope")});
     }
     template <class Law> void copy_fixed(const Law& from) { table = from.table; }
 

@@ -564,10 +564,9 @@ def _core_table(table: SectionTable) -> dict[str, Any]:
         downs = (k for k in range(after - 1, 0, -1) if lift[k] < min(lift[k - 1], 0.0))
         up = next(ups, last)
         stall.append(knots[[up, next(downs, 0)]])
-        enough = 0.9 * lift[up]
-        k = next((k for k in range(after, up) if lift[k] >= enough), up)
-        there = np.interp(enough, lift[k - 1 : k + 1], knots[k - 1 : k + 1])
-        attached = min(attached, float(there) if k > after else knots[k])
+        k = next((k for k in range(after, up) if lift[k] >= 0.9 * lift[up]), up)
+        near = slice(k - 1 if k > after else k, k + 1)
+        attached = min(attached, np.interp(0.9 * lift[up], lift[near], knots[near]))
     attached = max(attached, CLOSEST)
     slope = np.mean([np.interp(attached, knots, row) for row in both[0]]) / attached
     stall_up, stall_down = np.ascontiguousarray(np.transpose(stall))

@@ -120,10 +120,6 @@ def _frozen_array(values: Any, field: str) -> Floats:
     return array
 
 
-# -------------------------------------------------------------------------------------------------
-# The blade between its stations, in the form that the compiled core reads.
-
-
 def monotone_cubics(x: Floats, y: Floats) -> Floats:
     """Return the cubics of the monotone interpolation (PCHIP) of values y (..., n) at knots x (n,).
 
