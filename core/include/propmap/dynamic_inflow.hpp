@@ -159,7 +159,8 @@ template <template <class> class LawOf> class DynamicInflow {
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
         const double volume = radius * radius * radius, mass = 8.0 / 3.0 * volume, inertia = 16.0 / 45.0 * volume * radius;
         const double lag[3] = {mass * gains.mean_by_thrust, inertia * gains.by_roll, inertia * gains.by_rear};  // [s]
-        const double by_itself[3] = {response.mean_by_thrust * sum(by_mean), response.by_roll * sum(by_gradient), response.by_rear * sum(by_gradient)};
+        const double slope = sum(by_gradient);
+        const double by_itself[3] = {response.mean_by_thrust * sum(by_mean), response.by_roll * slope, response.by_rear * slope};
         const double least_harmonic = negligible * (at.omega * radius + s.mean.speed());
         double rate[3], next[3];
         for (int k = 0; k < 3; ++k) {
