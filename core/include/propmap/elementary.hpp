@@ -111,13 +111,14 @@ inline double power_of_two(double x) { return detail::power_of_two<double, std::
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
 
 // ln(x) for x > 0: ln(m) + n ln(2) with x = 2^n m and m between sqrt(1/2) and sqrt(2).  The series of ln(m) in powers of
-// s = (m - 1)/(m + 1) errs by less than rounding.
+// s = (m - 1)/(m + 1) errs by less than rounding.  For x <= 0, -infinity.
 inline Lanes logarithm(Lanes x) {
     constexpr double series[] = {2.0, 2.0 / 3, 2.0 / 5, 2.0 / 7, 2.0 / 9, 2.0 / 11, 2.0 / 13, 2.0 / 15, 2.0 / 17, 2.0 / 19};
-    const Mask bits = std::bit_cast<Mask>(x), n = (bits - 0x3fe6a09e667f3bcd) >> 52;
+    const Mask bits = std::bit_cast<Mask>(x > 0.0 ? x : broadcast(1.0)), n = (bits - 0x3fe6a09e667f3bcd) >> 52;
     const Lanes m = std::bit_cast<Lanes>(bits - (n << 52)), s = (m - 1.0) / (m + 1.0);
     const Lanes whole = std::bit_cast<Lanes>(n + 0x4338000000000000) - 1.5 * 4503599627370496.0;  // n, converted to double
-    return whole * 0.69314718055994530942 + s * detail::polynomial(series, Lanes(s * s));
+    const Lanes found = whole * 0.69314718055994530942 + s * detail::polynomial(series, Lanes(s * s));
+    return x > 0.0 ? found : x - INFINITY;
 }
 
 // 1/x^(1/4) and 1/x for x > 0, except the smallest and largest numbers.  Roots and quotients take ten times as long as

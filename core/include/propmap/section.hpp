@@ -204,7 +204,7 @@ template <class S> struct TabulatedLaw {
     Place place_of(double log_re) const {
         const auto& x = table->log_re;
         const std::size_t next = std::upper_bound(x.begin(), x.end(), log_re) - x.begin();
-        if (next == 0 || next == x.size()) return {next == 0 ? 0 : next - 1, 1, 0.0, {1.0}, {}};
+        if (next == 0 || next == x.size()) return {next == 0 ? 0 : next - 1, 1, 0.0, {std::isnan(log_re) ? log_re : 1.0}, {}};
         const double span = x[next] - x[next - 1], t = (log_re - x[next - 1]) / span, u = 1.0 - t, bump = 6.0 * t * u / span;
         return {next - 1, 4, t, {u * u * (1.0 + 2.0 * t), span * t * u * u, t * t * (1.0 + 2.0 * u), -span * t * t * u},
                 {-bump, u * (1.0 - 3.0 * t), bump, t * (1.0 - 3.0 * u)}};
