@@ -84,9 +84,7 @@ struct Source {
         expect(name, found.size(), size, at_least);
         return found;
     }
-    static void check(bool good, const char* fault) {
-        if (!good) refuse(fault);
-    }
+    static void check(bool good, const char* fault) { good ? void() : refuse(fault); }
 };
 
 Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // zeros; `last` > 0 adds an axis of this length
