@@ -6,14 +6,18 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
+
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <functional>
 #include <thread>
 
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
-#include "propmap/instructions.hpp"
 #include "propmap/interaction.hpp"
 #include "propmap/vehicle.hpp"
 #include "slopes.hpp"
@@ -37,6 +41,8 @@ using Shape = std::vector<std::size_t>;
 // Operating points: a row for each variable of `Flow`, a column for each point.
 using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>, nb::c_contig, nb::device::cpu>;
 
+// Intervals of a blade (`BladeShape`), one per row.
+using Intervals = nb::ndarray<const double, nb::shape<-1, 9>, nb::c_contig, nb::device::cpu>;
 // Vectors (N, 3), one per row.
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
@@ -66,14 +72,20 @@ std::vector<double> array_of(const nb::handle& from) {  // a copy of the array
     const auto v = nb::cast<Vector>(from);
     return {v.data(), v.data() + v.size()};
 }
-std::vector<double> array_of(const nb::dict& from, const char* name, std::size_t size) {
-    auto found = array_of(from[name]);
-    expect(name, found.size(), size);
-    return found;
-}
-double number(const nb::dict& from, const char* name, double otherwise = 0.0) {  // number `name`, or `otherwise`
-    return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
-}
+
+// Numbers and arrays by name, from a dictionary.
+struct Source {
+    nb::dict from;
+    bool has(const char* name) const { return from.contains(name); }
+    double number(const char* name) const { return nb::cast<double>(from[name]); }
+    double number(const char* name, double otherwise) const { return has(name) ? number(name) : otherwise; }
+    std::vector<double> numbers(const char* name, std::size_t size, bool at_least = false) const {
+        auto found = array_of(from[name]);
+        expect(name, found.size(), size, at_least);
+        return found;
+    }
+    static void check(bool good, const char* fault) { good ? void() : refuse(fault); }
+};
 
 Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // zeros; `last` > 0 adds an axis of this length
     if (last > 0) shape.push_back(last);
@@ -83,6 +95,29 @@ Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // zeros
     data = memory;
     return Numbers(memory, shape.size(), shape.data(),
                    nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
+}
+
+// An array (rows, N) whose column k is `one(k)`.
+template <class One> Numbers columns(std::size_t n, One one) {
+    double* to;
+    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
+    auto array = make_array({rows, n}, to);
+    for (std::size_t k = 0; k < n; ++k) {
+        const auto found = one(k);
+        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
+    }
+    return array;
+}
+
+// Two arrays (..., 3), whose vectors k are the pair `one(k)`.
+template <class One> nb::tuple vector_pairs(const Shape& shape, One one) {
+    double *first, *second;
+    auto firsts = make_array(shape, first, 3), seconds = make_array(shape, second, 3);
+    for (std::size_t k = 0; k < firsts.size() / 3; ++k) {
+        const auto [a, b] = one(k);
+        first = keep(a, first), second = keep(b, second);
+    }
+    return nb::make_tuple(firsts, seconds);
 }
 
 // An argument of a call in Python: a float or an array.  If `each` > 0, the last axis contains `each` numbers per point.
@@ -150,7 +185,7 @@ class Argument {
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
     std::atomic<std::size_t> next{0};
     std::atomic<bool> stop{false};
-    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::size_t(std::max(threads, 1))), 1, 16);
+    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::size_t(std::max(threads, 1))), 4, 16);
     const auto work = [&](bool listens) {
         auto last = std::chrono::steady_clock::now();
         for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;) {
@@ -171,30 +206,18 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-// The dictionary from which a law reads its numbers.
-struct Source {
-    const nb::dict& from;
-    double number(const char* name) const { return nb::cast<double>(from[name]); }
-    std::vector<double> numbers(const char* name) const { return array_of(from[name]); }
-};
-
 template <class List> struct Variants;  // types over all section laws
 template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
     using Law = std::variant<LawOf<double>...>;
     using Motion = std::variant<std::monostate, DynamicInflow<LawOf>...>;
 
-    static Law read(const nb::dict& from) {  // the law of this kind
-        const auto kind = nb::cast<std::string>(from["kind"]);
-        if (from.contains("angle")) {
-            const auto angles = array_of(from["angle"]).size(), rows = array_of(from["reynolds"]).size();
-            expect("angle", angles, 4, true), expect("reynolds", rows, 1, true);
-            for (const char* name : {"lift", "drag"}) array_of(from, name, angles * rows);
-        }
+    static Law read(const Source& from) {  // the law of this kind
+        const auto kind = nb::cast<std::string>(from.from["kind"]);
         Law law;
         const auto try_one = [&]<class One>(One one) {
             if (kind != One::kind) return;
-            one.each_number([&](const char* name, double& value) { value = number(from, name); });
-            one.read_fixed(Source{from});
+            one.each_number([&](const char* name, double& value) { value = from.number(name); });
+            one.read_fixed(from);
             law = one;
         };
         (try_one(LawOf<double>{}), ...);
@@ -228,7 +251,7 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
             const auto c = law.coefficients(flow);
             for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
         }
-    }, Variants<Laws>::read(of));
+    }, Variants<Laws>::read({of}));
     return array;
 }
 
@@ -236,7 +259,7 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
 class CoreRotor {
   public:
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
-        : blade_(std::make_unique<BladeShape>(shape(blade))), solver_(make(law, air, corrections, fine)) {}
+        : blade_(std::make_unique<BladeShape>(shape(blade))), solver_(make({law}, {air}, {corrections}, fine)) {}
 
     // Loads and the numbers of `keep`, (11, N), and the derivatives (6, P, N) of loads with respect to the P `names`.
     nb::tuple loads(const Points& points, const std::vector<std::string>& names, int threads) const {
@@ -259,15 +282,6 @@ class CoreRotor {
             });
         }, solver_);
         return nb::make_tuple(found_array, slope_array);
-    }
-
-    Numbers hover_inflow(Vector omega, int threads) const {  // v_i0 [m/s], (N)
-        double* found;
-        auto array = make_array({omega.size()}, found);
-        std::visit([&](const auto& solver) {
-            for_each_point(omega.size(), threads, [&, w = omega.data()](std::size_t k) { found[k] = solver.hover_inflow(w[k]); });
-        }, solver_);
-        return array;
     }
 
     int inflow_size() const {  // number of values in a state of the dynamic inflow; 0 if the inflow has no dynamics
@@ -328,32 +342,24 @@ class CoreRotor {
         return std::visit([&](const auto& solver) { return propmap::attached_thrust(solver.rotor(), flow); }, solver_);
     }
 
-    // The solution at one operating point: nodes with inflow and residual, and the edges of the panels.
+    // The solution at one operating point: radius, inflow and residual of the nodes, and the edges of the panels.
     nb::dict solution(const Points& points) const {
         expect("points", points.shape(1), 1);
         return std::visit([&](const auto& solver) {
             Solution s;
             solver.solve(point(points, 0), s);
             const auto of = solver.annuli(s);
-            const std::size_t n = s.disk.nodes;
-            double *radius, *inflow, *residual, *edge;
             nb::dict result;
-            result["radius"] = make_array({n}, radius), result["inflow"] = make_array({n}, inflow);
-            result["residual"] = make_array({n}, residual);
-            for (std::size_t k = 0; k < n; ++k) {
-                const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
-                radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
-                residual[k] = solver.rotor().density * g.v[k % width];
-            }
-            result["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            result["nodes"] = columns(s.disk.nodes, [&](std::size_t k) {
+                const auto& at = s.disk.at[k / width];
+                const Lanes inflow = s.disk.inflow[k / width], residual = solver.rotor().density * of.residual(at, inflow).v;
+                return std::array{at.radius[k % width], inflow[k % width], residual[k % width]};
+            });
+            result["edges"] = columns(s.disk.panels + 1, [&](std::size_t k) { return std::array{s.disk.edge[k].radius}; });
             nb::list folds;
             const char* kinds[] = {"", "fold", "shoulder", "angle"};
-            for (int k = 0; k <= s.disk.panels; ++k) {
-                edge[k] = s.disk.edge[k].radius;
-                folds.append(kinds[int(s.disk.edge[k].kind)]);
-            }
-            result["fold"] = folds, result["azimuths"] = 2 * s.psi.count;
-            result["windmill"] = s.windmill;
+            for (int k = 0; k <= s.disk.panels; ++k) folds.append(kinds[int(s.disk.edge[k].kind)]);
+            result["folds"] = folds, result["azimuths"] = 2 * s.psi.count, result["windmill"] = s.windmill;
             return result;
         }, solver_);
     }
@@ -372,8 +378,6 @@ class CoreRotor {
         }, solver_);
     }
 
-    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
-
   private:
     template <template <class> class LawOf> const DynamicInflow<LawOf>& dynamic(const RotorSolver<LawOf>& solver) const {
         std::call_once(motion_made_, [&] { motion_ = DynamicInflow<LawOf>(solver); });
@@ -381,10 +385,12 @@ class CoreRotor {
     }
 
     static BladeShape shape(const nb::dict& blade) {
-        const auto station = array_of(blade["station"]);
-        expect("station", station.size(), 3, true);
-        const auto chord = array_of(blade, "chord", station.size()), twist = array_of(blade, "twist", station.size());
-        return make_blade(station, chord, twist, nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"]));
+        BladeShape shape{{}, nb::cast<double>(blade["root"]), nb::cast<double>(blade["tip"]), nb::cast<int>(blade["blades"])};
+        const auto rows = nb::cast<Intervals>(blade["intervals"]);
+        expect("intervals", rows.shape(0), 1, true);
+        shape.intervals.resize(rows.shape(0));
+        std::memcpy(shape.intervals.data(), rows.data(), rows.nbytes());
+        return shape;
     }
 
     // Write the loads, status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
@@ -398,24 +404,23 @@ class CoreRotor {
 
     // The rotor from dictionaries of numbers.  It precedes `make`, because clang 19 omits a member template that follows its use.
     template <template <class> class LawOf>
-    Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
+    Rotor<double, LawOf> rotor(const LawOf<double>& law, const Source& air, const Source& with) {
         Rotor<double, LawOf> r;
-        if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
         r.blade = blade_.get();
         static_cast<LawOf<double>&>(r.law) = law;
-        r.density = number(air, "density"), r.viscosity = number(air, "viscosity");
-        r.change.untwist = number(with, "blade-untwist");
-        r.tip_loss = with.contains("tip-loss"), r.hub_radius = number(with, "hub-loss");
-        if (with.contains("inflow")) r.inflow_shape = inflow_shapes.at(nb::cast<std::string>(with["inflow"]));
-        r.installed = with.contains("installed");
-        r.drag_factor = number(with, "installed", 1.0), r.mount_area = number(with, "mount-area");
-        r.mount_wake = number(with, "mount-wake", 1.0);
-        r.law.stall_delay = number(with, "stall-delay"), r.law.speed_of_sound = number(with, "prandtl-glauert");
-        r.radial_friction = with.contains("radial-friction");
+        r.density = air.number("density"), r.viscosity = air.number("viscosity");
+        r.change.untwist = with.number("blade-untwist", 0.0);
+        r.tip_loss = with.has("tip-loss"), r.hub_radius = with.number("hub-loss", 0.0);
+        if (with.has("inflow")) r.inflow_shape = inflow_shapes.at(nb::cast<std::string>(with.from["inflow"]));
+        r.installed = with.has("installed");
+        r.drag_factor = with.number("installed", 1.0), r.mount_area = with.number("mount-area", 0.0);
+        r.mount_wake = with.number("mount-wake", 1.0);
+        r.law.stall_delay = with.number("stall-delay", 0.0), r.law.speed_of_sound = with.number("prandtl-glauert", 0.0);
+        r.radial_friction = with.has("radial-friction");
         return r;
     }
 
-    AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
+    AnySolver make(const Source& law, const Source& air, const Source& corrections, bool fine) {
         const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
         return std::visit([&](const auto& found) -> AnySolver { return RotorSolver(rotor(found, air, corrections), accuracy); },
                           Variants<Laws>::read(law));
@@ -434,75 +439,56 @@ TableAxis axis_of(const nb::tuple& from, std::size_t values) {  // the axis from
     return axis;
 }
 
-// An array (rows, N) whose column k is `one(k)`.
-template <class One> Numbers columns(std::size_t n, One one) {
-    double* to;
-    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
-    auto array = make_array({rows, n}, to);
-    for (std::size_t k = 0; k < n; ++k) {
-        const auto found = one(k);
-        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
-    }
-    return array;
-}
-
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
-class CoreTable {
+class CoreTable : public LoadTable {
   public:
     using Values = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
     using Cells = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-    CoreTable(const nb::tuple& advance, const nb::tuple& beta, Values values, Cells cells, const nb::tuple& box, double radius) {
+    CoreTable(const nb::tuple& of_advance, const nb::tuple& of_beta, Values given, Cells codes, const nb::tuple& box, double tip) {
         constexpr std::size_t each = std::tuple_size_v<LoadTable::Row>;
-        of_.advance = axis_of(advance, values.shape(0)), of_.beta = axis_of(beta, values.shape(1));
-        expect("values", values.shape(2), each);
-        expect("cells", cells.shape(0), values.shape(0) - 3), expect("cells", cells.shape(1), values.shape(1) - 3);
-        of_.values.resize(values.size() / each);
-        std::copy_n(values.data(), values.size(), of_.values.front().data());
-        for (std::size_t k = 0; k < cells.size(); ++k) of_.cells.push_back(TableStatus(cells.data()[k]));
-        for (int k = 0; k < 3; ++k) of_.low[k] = nb::cast<double>(box[k][0]), of_.high[k] = nb::cast<double>(box[k][1]);
-        of_.radius = radius;
+        advance = axis_of(of_advance, given.shape(0)), beta = axis_of(of_beta, given.shape(1));
+        expect("values", given.shape(2), each);
+        expect("cells", codes.shape(0), given.shape(0) - 3), expect("cells", codes.shape(1), given.shape(1) - 3);
+        values.resize(given.size() / each);
+        std::copy_n(given.data(), given.size(), values.front().data());
+        for (std::size_t k = 0; k < codes.size(); ++k) cells.push_back(TableStatus(codes.data()[k]));
+        for (int k = 0; k < 3; ++k) low[k] = nb::cast<double>(box[k][0]), high[k] = nb::cast<double>(box[k][1]);
+        radius = tip;
     }
 
-    const LoadTable& table() const { return of_; }
-
     // Loads, power and the code of the status at one point.
-    std::array<double, LoadTable::count + 2> point(double omega, double speed, double beta, bool clamp) const {
-        const auto f = of_.loads(omega, speed, beta, clamp);
-        std::array<double, LoadTable::count + 2> found;
-        auto* rest = std::copy_n(f.loads.begin(), LoadTable::count, found.data());
+    std::array<double, count + 2> point(double omega, double speed, double angle, bool clamp) const {
+        const auto f = LoadTable::loads(omega, speed, angle, clamp);
+        std::array<double, count + 2> found;
+        auto* rest = std::copy_n(f.loads.begin(), count, found.data());
         rest[0] = f.loads.torque * f.omega, rest[1] = double(f.status);
         return found;
     }
 
-    Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {  // the numbers of `point`, (L + 2, N)
-        const std::size_t n = omega.size();
-        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        return columns(n, [&](std::size_t k) { return point(omega.data()[k], speed.data()[k], beta.data()[k], clamp); });
+    // Omega, speed and beta of N points.
+    using Points = nb::ndarray<const double, nb::shape<3, -1>, nb::c_contig, nb::device::cpu>;
+
+    Numbers loads(Points at, bool clamp) const {  // the numbers of `point`, (L + 2, N)
+        return columns(at.shape(1), [&](std::size_t k) { return point(at(0, k), at(1, k), at(2, k), clamp); });
     }
 
-    // Points brought into the envelope (3, N); omega is NaN for points outside.
-    Numbers bounded(Vector omega, Vector speed, Vector beta) const {
-        const std::size_t n = omega.size();
-        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        return columns(n, [&](std::size_t k) {
-            const auto at = of_.bounded(omega.data()[k], speed.data()[k], beta.data()[k], false);
+    Numbers bounded(Points given) const {  // points brought into the envelope (3, N); omega is NaN for points outside
+        return columns(given.shape(1), [&](std::size_t k) {
+            const auto at = LoadTable::bounded(given(0, k), given(1, k), given(2, k), false);
             return std::array{at.omega, at.speed, at.beta};
         });
     }
 
     // Values at J and beta with their derivatives (N, 2, 2, 2 L).
-    Numbers slopes(Vector advance, Vector beta) const {
-        expect("beta", beta.size(), advance.size());
+    Numbers slopes(Vector at_advance, Vector angle) const {
+        expect("beta", angle.size(), at_advance.size());
         double* to;
-        auto array = make_array({advance.size(), 2, 2, std::tuple_size_v<LoadTable::Row>}, to);
-        for (std::size_t k = 0; k < advance.size(); ++k)
-            for (const auto& row : of_.slopes(advance.data()[k], beta.data()[k])) to = std::copy(row.begin(), row.end(), to);
+        auto array = make_array({angle.size(), 2, 2, std::tuple_size_v<LoadTable::Row>}, to);
+        for (std::size_t k = 0; k < angle.size(); ++k)
+            for (const auto& row : LoadTable::slopes(at_advance(k), angle(k))) to = std::copy(row.begin(), row.end(), to);
         return array;
     }
-
-  private:
-    LoadTable of_;
 };
 
 // Rows (5, N) of axial and in-plane speed and downstream direction in the disk plane, from the velocities of N hubs (N, 3)
@@ -519,43 +505,34 @@ Numbers hub_flows(Vectors axes, Vectors hubs) {
 // Forces, and moments about the hubs, (P, N, 3) each, from loads (L, P, N); arguments as in `hub_flows`.
 nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
                        nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
-    double *force, *moment;
     const std::size_t p = loads.shape(1), n = loads.shape(2), m = axes.shape(0);
     expect("axes", m, 1, true), expect("spins", spins.size(), m), expect("downstream", downstream.shape(0), n);
-    auto forces = make_array({p, n, 3}, force), moments = make_array({p, n, 3}, moment);
-    for (std::size_t k = 0; k < p * n; ++k) {
+    return vector_pairs({p, n}, [&](std::size_t k) {
         Loads<double> one;
-        for (int j = 0; j < Loads<double>::count; ++j) one.begin()[j] = loads.data()[j * p * n + k];
-        const std::size_t at = k % n;
-        const Vector3 ahead = add({}, -1.0, vector(downstream.data() + 3 * at));
-        const Wrench w = hub_wrench(vector(axes.data() + 3 * (at % m)), spins.data()[at % m], ahead, one);
-        force = keep(w.force, force), moment = keep(w.moment, moment);
-    }
-    return nb::make_tuple(forces, moments);
+        for (int j = 0; j < Loads<double>::count; ++j) one.begin()[j] = loads(j, k / n, k % n);
+        const Vector3 ahead = add({}, -1.0, vector(&downstream(k % n, 0)));
+        return hub_wrench(vector(&axes(k % n % m, 0)), spins(k % n % m), ahead, one);
+    });
 }
 
-Airframe airframe(const nb::dict& from) {  // the airframe from a dictionary of numbers
-    Airframe of{number(from, "density")};
-    const auto drag = array_of(from, "drag_area", 3), download = array_of(from, "download_area", 2);
+Airframe airframe(const Source& from) {
+    Airframe of{from.number("density")};
+    const auto drag = from.numbers("drag_area", 3), download = from.numbers("download_area", 2);
     std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);
-    of.lift_area = number(from, "lift_area"), of.plate_area = number(from, "plate_area");
-    if (!from.contains("wing")) return of;
-    of.wing_area = number(from, "wing_area"), of.incidence = number(from, "incidence"), of.span = number(from, "span");
-    of.wing = std::get<BlendedLaw<double>>(Variants<Laws>::read(nb::cast<nb::dict>(from["wing"])));
+    of.lift_area = from.number("lift_area"), of.plate_area = from.number("plate_area");
+    if (!from.has("wing")) return of;
+    of.wing_area = from.number("wing_area"), of.incidence = from.number("incidence"), of.span = from.number("span");
+    of.wing = std::get<BlendedLaw<double>>(Variants<Laws>::read({nb::cast<nb::dict>(from.from["wing"])}));
     return of;
 }
 
 // Forces of body and wing, (N, 3) each.
 nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
-    const Airframe frame = airframe(of);
-    double *body, *wing;
-    const std::size_t n = velocity.shape(0);
-    auto bodies = make_array({n, 3}, body), wings = make_array({n, 3}, wing);
-    for (std::size_t k = 0; k < n; ++k) {
-        const Vector3 v = vector(velocity.data() + 3 * k);
-        body = keep(frame.body_force(v), body), wing = keep(frame.wing_force(v), wing);
-    }
-    return nb::make_tuple(bodies, wings);
+    const Airframe frame = airframe({of});
+    return vector_pairs({velocity.shape(0)}, [&](std::size_t k) {
+        const Vector3 v = vector(&velocity(k, 0));
+        return std::pair{frame.body_force(v), frame.wing_force(v)};
+    });
 }
 
 // The wakes of the m rotors of a vehicle on each other.
@@ -620,7 +597,7 @@ class FreeBody {
     // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.  `wakes` may be null.
     FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp,
              const CoreWakes* wakes, Vector gains)
-        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), clamp_(clamp), wakes_(wakes) {
+        : frame_(airframe({frame})), sources_(sources), heavy_(heavy), clamp_(clamp), wakes_(wakes) {
         if (wakes) gains_ = CoreWakes::gains(gains), expect("mounts", mounts.shape(0), wakes->frames.size());
         expect("sources", sources.size(), mounts.shape(0)), expect("center", center.size(), 3);
         center_ = vector(center.data());
@@ -664,36 +641,39 @@ class FreeBody {
         std::optional<std::size_t> lost;
         thread_local std::vector<double> added, thrust;
         thread_local std::vector<HubFlow> flows;
-        added.assign(k_all, 0.0);
+        added.assign(k_all, 0.0), thrust.clear(), flows.clear();
+        for (const Mount& m : mounts_) flows.push_back(hub_flow(m.axis, add(velocity, 1.0, cross(rates, m.position))));
+        const auto flow_at = [&](std::size_t k) {
+            return Flow<double>{std::max(omega.data()[k], 0.0), flows[k].axial + added[k], flows[k].inplane};
+        };
         if (wakes_) {
-            flows.clear(), thrust.clear();
             for (std::size_t k = 0; k < k_all; ++k) {
-                flows.push_back(hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position))));
-                const Flow<double> flow{std::max(omega.data()[k], 0.0), flows[k].axial, flows[k].inplane};
-                thrust.push_back(of_[k].rotor ? of_[k].rotor->attached(flow) : from_table(*of_[k].table, flow).loads.thrust);
+                const auto& [rotor, table, x] = of_[k];
+                thrust.push_back(rotor ? rotor->attached(flow_at(k)) : from_table(*table, flow_at(k)).loads.thrust);
                 if (!lost && !std::isfinite(thrust[k])) lost = k;
             }
             wakes_->effects(gains_, flows.data(), thrust.data(),
                             [&](std::size_t target, std::size_t, const WakeEffect& e) { added[target] += e.added; });
         }
-        Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates, [&](std::size_t k, HubFlow& at) {
+        Wrench all{add(frame_.body_force(velocity), 1.0, frame_.wing_force(velocity)), {}};
+        for (std::size_t k = 0; k < k_all; ++k) {
             const auto& [rotor, table, x] = of_[k];
-            const Flow<double> flow{std::max(omega.data()[k], 0.0), at.axial + added[k], at.inplane};
+            Vector3& ahead = flows[k].ahead;
             Loads<double> loads;
             if (table != nullptr) {
-                const auto found = from_table(*table, flow);
+                const auto found = from_table(*table, flow_at(k));
                 loads = found.loads, now[k] = std::uint8_t(found.status);
             } else {
-                if (at.inplane == 0.0) at.ahead = x;
-                const Heading heading{dot(at.ahead, x), dot(at.ahead, cross(mounts_[k].axis, x)), mounts_[k].spin};
+                if (flows[k].inplane == 0.0) ahead = x;  // without in-plane flow, the rotor frame defines the directions
+                const Heading heading{dot(ahead, x), dot(ahead, cross(mounts_[k].axis, x)), mounts_[k].spin};
                 const int values = rotor->inflow_size();
-                now[k] = std::uint8_t(rotor->loads_in(flow, heading, at_rest, time, values ? state : nullptr, next, loads));
+                now[k] = std::uint8_t(rotor->loads_in(flow_at(k), heading, at_rest, time, values ? state : nullptr, next, loads));
                 state += values, next += values;
             }
             worst[k] = std::max(worst[k], now[k]);
             if (!lost && (!std::isfinite(loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k]))) lost = k;
-            return loads;
-        });
+            add_rotor(all, mounts_[k], ahead, loads);
+        }
         if (lost) return lost;
         all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
         const Vector3 force = attitude.turned(all.force, 1.0), moment = add(all.moment, 1.0, cross(center_, all.force));
@@ -709,7 +689,7 @@ class FreeBody {
     };
     LoadTable::Found from_table(const CoreTable& of, const Flow<double>& flow) const {
         const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
-        return of.table().loads(flow.omega, speed, beta, clamp_);
+        return of.LoadTable::loads(flow.omega, speed, beta, clamp_);
     }
 
     std::vector<Mount> mounts_;
@@ -724,6 +704,28 @@ class FreeBody {
     std::vector<Source> of_;
 };
 
+// Choice of the build for this processor, from its instruction sets and the registers that the operating system saves.
+// (__builtin_cpu_supports finds nothing in code that Zig has compiled.)
+const char* best_instructions() {
+#ifdef __x86_64__
+    const auto all = [](unsigned in, std::initializer_list<int> bits) {
+        for (int bit : bits) if (!(in >> bit & 1)) return false;
+        return true;
+    };
+    unsigned a, b, basic = 0, more = 0, extended = 0, kept = 0, d;
+    __get_cpuid(1, &a, &b, &basic, &d);
+    __get_cpuid_count(7, 0, &a, &more, &b, &d);
+    __get_cpuid(0x80000001, &a, &b, &extended, &d);
+    if (all(basic, {27})) asm("xgetbv" : "=a"(kept), "=d"(d) : "c"(0));
+    // FMA, MOVBE, AVX, F16C; BMI1, AVX2, BMI2; LZCNT; saved registers of SSE and AVX.
+    if (!(all(basic, {12, 22, 28, 29}) && all(more, {3, 5, 8}) && all(extended, {5}) && all(kept, {1, 2}))) return "x86-64-v2";
+    // AVX-512 F, DQ, CD, BW, VL; saved mask registers and registers of AVX-512.
+    return all(more, {16, 17, 28, 30, 31}) && all(kept, {5, 6, 7}) ? "x86-64-v4" : "x86-64-v3";
+#else
+    return "generic";
+#endif
+}
+
 }  // namespace
 
 NB_MODULE(PROPMAP_MODULE, m) {
@@ -734,14 +736,12 @@ NB_MODULE(PROPMAP_MODULE, m) {
     nb::class_<CoreRotor>(m, "Rotor")
         .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>())
         .def("loads", &CoreRotor::loads)
-        .def("hover_inflow", &CoreRotor::hover_inflow)
         .def("solution", &CoreRotor::solution)
         .def_prop_ro("inflow_size", &CoreRotor::inflow_size)
         .def("inflow_motion", &CoreRotor::inflow_motion, nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg(), nb::arg())
         .def("disk_field", &CoreRotor::disk_field)
-        .def("attached_thrust", &CoreRotor::attached_thrust)
-        .def_prop_ro("span", &CoreRotor::span);
+        .def("attached_thrust", &CoreRotor::attached_thrust);
     nb::class_<CoreTable>(m, "Table")
         .def(nb::init<const nb::tuple&, const nb::tuple&, CoreTable::Values, CoreTable::Cells, const nb::tuple&, double>())
         .def("point", &CoreTable::point)

@@ -6,8 +6,6 @@ namespace propmap {
 
 namespace {
 
-constexpr int together = 5;  // derivatives per pass, in registers; with 8, a pass for 4 derivatives takes 1.7 times as long
-
 // The numbers of blade, flow, law and mount with their names.
 template <class S, template <class> class LawOf>
 std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
@@ -19,8 +17,6 @@ std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
     if (rotor.installed) all.emplace_back("drag_factor", &rotor.drag_factor), all.emplace_back("mount_area", &rotor.mount_area);
     return all;
 }
-
-using Slope = Dual<double, together>;
 
 // Derivatives of the loads with respect to `count` numbers, at most `together`.
 template <template <class> class LawOf>
@@ -38,7 +34,7 @@ Loads<Slope> slopes_by(const RotorSolver<LawOf>& solver, const Solution& s, cons
     for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
     for (std::size_t d = 0; d < count; ++d) now[which[d]].second->d[d] = 1.0;
     rotor.law.copy_fixed(from.law);
-    return load_slopes<together>(solver, s, at_rest, rotor, flow);
+    return load_slopes(solver, s, at_rest, rotor, flow);
 }
 
 }  // namespace
@@ -64,17 +60,14 @@ void write_slopes(const AnySolver& any, const Solution& s, const Solution& at_re
         Flow<double> flow = s.flow;
         const auto numbers = numbers_of(rotor, flow);
         std::vector<std::size_t> nonlinear, place;  // the other numbers, and the index of each in `which`
-        rotor.mount_area = 1.0;
         // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
+        rotor.mount_area = 1.0;
+        const double by_area = rotor.density * mount_drag(rotor, s.flow, s.result.mean_inflow);
         for (std::size_t d = 0; d < which.size(); ++d) {
             const double* number = numbers[which[d]].second;
-            const bool factor = number == &rotor.drag_factor;
-            if (!factor && number != &rotor.mount_area) {
-                nonlinear.push_back(which[d]), place.push_back(d);
-                continue;
-            }
-            const double by_drag = factor ? s.result.blade_drag : rotor.density * mount_drag(rotor, s.flow, s.result.mean_inflow);
-            for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? by_drag : 0.0);
+            const double by_drag = number == &rotor.drag_factor ? s.result.blade_drag : by_area;
+            if (number != &rotor.drag_factor && number != &rotor.mount_area) nonlinear.push_back(which[d]), place.push_back(d);
+            else for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? by_drag : 0.0);
         }
         for (std::size_t first = 0; first < nonlinear.size(); first += together) {
             const std::size_t count = std::min<std::size_t>(together, nonlinear.size() - first);

@@ -238,15 +238,12 @@ struct Solver {
 
 // Six loads per point of a model, whose `numbers` are in the order of tools/dense_descents.py.  `points` are `count`
 // rows of omega, v_axial and v_inplane.
-extern "C" void dense_loads(const double* numbers, std::int64_t stations, const double* station, const double* chord,
-                            const double* twist, const std::int64_t* look, double step, std::int64_t count,
-                            const double* points, double* loads) {
+extern "C" void dense_loads(const double* numbers, std::int64_t interval_count, const BladeShape::Interval* intervals,
+                            const std::int64_t* look, double step, std::int64_t count, const double* points, double* loads) {
     const double* next = numbers;
     const auto number = [&] { return *next++; };
-    const auto row = [&](const double* of) { return std::vector<double>(of, of + stations); };
-    const int blades = int(number());
-    const double root = number();
-    const BladeShape blade = make_blade(row(station), row(chord), row(twist), blades, root);
+    BladeShape blade{{intervals, intervals + interval_count}, number(), number(), 0};
+    blade.blades = int(number());
     Blades rotor;
     rotor.blade = &blade;
     rotor.density = number(), rotor.viscosity = number();

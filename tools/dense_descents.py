@@ -60,6 +60,7 @@ import numpy as np
 import propmap as pm
 from propmap.catalogue import names
 from propmap.loads import LOADS
+from propmap.model.propeller import blade_intervals
 from propmap.rotor import core_corrections
 from propmap.typing import Floats
 from tests.other_laws import error_scales_of, other_rotors
@@ -141,21 +142,25 @@ def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
     known = {"inflow", "radial-friction", "installed", "mount-area", "mount-wake"}
     if law["kind"] == "tabulated" or not known.issuperset(with_):
         raise SystemExit(f"{blade.name}: {law['kind']} section, {sorted(set(with_) - known)}")
-    numbers = [blade.blades, blade.root, model.air.density, model.air.viscosity]
+    numbers = [*model.span, blade.blades, model.air.density, model.air.viscosity]
     numbers += ["inflow" in with_, "radial-friction" in with_, "installed" in with_]
     numbers += [with_.get("installed", 1.0), with_.get("mount-area", 0.0)]
     numbers += [with_.get("mount-wake", 1.0), law["attached"], law["plate"]]
     order = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "c_p", "sharpness")
     further = ("reynolds_camber", "drag_angle", "reynolds_lift", "reynolds_drag")
     numbers += [law[name] for name in (*order, *further)]
-    arrays = [np.asarray(a, np.float64) for a in (numbers, blade.station, blade.chord, blade.twist)]
+    intervals = blade_intervals(blade, model.span[0])
     looks = np.asarray([look.strips, *look.azimuths], np.int64)
     rows, found = np.ascontiguousarray(motion, np.float64), np.empty((len(motion), len(NAMES)))
-    at = [np.ascontiguousarray(a) for a in (*arrays, looks, rows, found)]
+    at = [
+        np.ascontiguousarray(a)
+        for a in (np.asarray(numbers, np.float64), intervals, looks, rows, found)
+    ]
     place = [ctypes.c_void_p(a.ctypes.data) for a in at]
     count, step = ctypes.c_int64(len(motion)), ctypes.c_double(look.step)
-    stations = ctypes.c_int64(blade.station.size)
-    library().dense_loads(place[0], stations, *place[1:5], step, count, *place[5:])
+    library().dense_loads(
+        place[0], ctypes.c_int64(len(intervals)), *place[1:3], step, count, *place[3:]
+    )
     return at[-1]
 
 

@@ -16,6 +16,7 @@ from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
 from propmap.model.airfoil import GROWING, GROWTHS
 from propmap.model.corrections import Installed, name_of
 from propmap.model.model import Model
+from propmap.model.propeller import blade_intervals
 from propmap.operating_points import (
     FAR,
     FlowPoints,
@@ -113,10 +114,9 @@ class Rotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
-        blade: dict[str, Any] = {"blades": int(p.blades), "root": float(p.root)}
-        for name in ("station", "chord", "twist"):
-            blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
-        blade["twist"] = blade["twist"] + more_twist
+        root, tip = self.model.span
+        intervals = blade_intervals(p, root, more_twist)
+        blade = {"blades": p.blades, "root": root, "tip": tip, "intervals": intervals}
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         fine = self.accuracy == "fine"
         return core.Rotor(blade, law, medium, core_corrections(self.model), fine)
@@ -303,8 +303,9 @@ class Rotor:
 
         The inflow is computed from the static thrust of this rotor.
         """
-        w = numbers("omega", omega, negative=False)
-        return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
+        thrust = self.loads(numbers("omega", omega, negative=False), 0.0, 0.0).thrust
+        area = np.pi * self.model.span[1] ** 2
+        return np.asarray(np.sqrt(np.maximum(thrust, 0.0) / (2.0 * self.model.air.density * area)))
 
     def inflow(
         self,
@@ -365,14 +366,10 @@ class Rotor:
             For arrays, and for values that ``loads`` refuses.
         """
         found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
+        radius, inflow, residual = found["nodes"]
+        edges, known, tip = found["edges"][0], np.isfinite(inflow), self.model.span[1]
         return results.SearchReport(
-            radius=found["radius"],
-            inflow=found["inflow"],
-            residual=found["residual"],
-            found=np.isfinite(found["inflow"]),
-            edges=found["edge"],
-            azimuths=found["azimuths"],
-            tip=self.model.span[1],
+            radius, inflow, residual, known, edges, azimuths=found["azimuths"], tip=tip
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:

@@ -216,8 +216,7 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
             assert pool.submit(answered, call).result() >= (1 if call == "inflow" else 5)
 
 
-STATION = np.linspace(0.02, 0.1, 5)
-BLADE = {"station": STATION, "chord": STATION, "twist": STATION, "blades": 2, "root": 0.02}
+BLADE = {"intervals": np.full((4, 9), 0.1), "blades": 2, "root": 0.02, "tip": 0.1}
 AIR = {"density": 1.2, "viscosity": 1.8e-5}
 FRAME = airframe(Body(), None, 1.2)
 AXIS = np.array([0.0, 1.0])
@@ -290,10 +289,6 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         "reynolds": (3, lambda x: core.section_coefficients(law(), np.ones(3), x)),
         "points solution": (1, lambda x: one.solution(np.ones((5, len(x))))),
         "points field": (1, lambda x: one.disk_field(np.ones((5, len(x))), [0.05], [0.0])),
-        "speed": (3, lambda x: full.loads(rows[0], x, rows[2], False)),
-        "beta": (3, lambda x: full.loads(rows[0], rows[1], x, False)),
-        "speed bounded": (3, lambda x: full.bounded(rows[0], x, rows[2])),
-        "beta bounded": (3, lambda x: full.bounded(rows[0], rows[1], x)),
         "beta slopes": (3, lambda x: full.slopes(rows[0], x)),
         "spins": (1, lambda x: core.hub_wrenches(up, x, three, loads)),
         "downstream": (3, lambda x: core.hub_wrenches(up, np.ones(1), np.ones((len(x), 3)), loads)),
@@ -332,10 +327,7 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         4: ("thrust", 4),
     }.items():
         calls[f"{name} of wakes"] = (length, flow_in_wakes(k))
-    for name in ("chord", "twist"):
-        given = with_one(BLADE, name)
-        calls[name] = (5, lambda x, of=given: core.Rotor(of(x), law(), AIR, {}, False))
-    for name in ("lift", "drag"):
+    for name in ("rows", "stall_up", "stall_down"):
         given, good = with_one(plate, name), plate[name]
         calls[name] = (
             good.size,
@@ -371,12 +363,19 @@ def without_dynamics() -> Any:
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: core.Rotor({**BLADE, "station": STATION[:2]}, law(), AIR, {}, False),
-        lambda: core.section_coefficients({**law("table"), "angle": FLAT[:0]}, FLAT, FLAT),
+        lambda: core.Rotor({**BLADE, "intervals": np.ones((0, 9))}, law(), AIR, {}, False),
+        *(
+            lambda name=name: core.section_coefficients(
+                {**law("table"), name: FLAT[:0]}, FLAT, FLAT
+            )
+            for name in ("knots", "log_re", "first")
+        ),
         lambda: table((0, lambda _: (AXIS[:1], FLAT[:0])))(FLAT),
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
         lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
+        lambda: core.Table(KNOTS, KNOTS, *TABLE).loads(np.ones((2, 3)), False),
+        lambda: core.Table(KNOTS, KNOTS, *TABLE).bounded(np.ones((4, 3))),
         lambda: core.Wakes(np.eye(3)[:2], FLAT[:0].reshape(0, 3), KNOTS, KNOTS, np.ones((1, 4, 4))),
         lambda: core.Wakes(np.eye(3), np.zeros((2, 3)), KNOTS, KNOTS, np.ones((1, 4, 4))),
         lambda: wakes(2).flow(np.ones(5), *np.ones((2, 3)), np.ones((3, 3)), np.ones(3)),
@@ -390,6 +389,13 @@ def test_arrays_too_short_or_too_long_are_refused(call: Callable[[], Any]) -> No
         call()
 
 
+@pytest.mark.parametrize("interval", [-1.0, 72.0, np.nan])
+def test_a_table_without_an_interval_of_its_index_is_refused(interval: float) -> None:
+    first = np.append(law("table")["first"], interval)
+    with pytest.raises(pm.InputError, match="interval that does not exist"):
+        core.section_coefficients({**law("table"), "first": first}, FLAT, FLAT)
+
+
 def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
     one, inflow = rotor("paper")._core, pm.DynamicInflow(rotor("paper"))
     full = core.Table(KNOTS, KNOTS, *TABLE)
@@ -397,9 +403,9 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         rows, vectors, ones = np.zeros((5, count)), np.zeros((count, 3)), np.ones(count)
         assert one.loads(rows, (), 1)[0].shape == (11, count)
         assert one.loads(rows, ["omega"], 1)[1].shape == (6, 1, count)
-        assert one.attached_thrust(rows).shape == one.hover_inflow(0.0 * ones, 1).shape == (count,)
-        assert full.loads(ones, ones, ones, False).shape == (8, count)
-        assert full.bounded(ones, ones, ones).shape == (3, count)
+        assert one.attached_thrust(rows).shape == (count,)
+        assert full.loads(np.ones((3, count)), False).shape == (8, count)
+        assert full.bounded(np.ones((3, count))).shape == (3, count)
         assert full.slopes(ones, ones).shape == (count, 2, 2, 12)
         assert core.section_coefficients(law(), ones, ones).shape == (2, count)
         assert core.hub_flows(np.eye(3), vectors).shape == (5, count)

@@ -40,6 +40,8 @@ int main() {
     compare("reciprocal", -300.0, 300.0, false, per, [](double x) { return 1.0 / x; });
     const auto power = [](Lanes x) { return power_of_two(x); };
     compare("power", -100.0, 100.0, true, power, [](double x) { return std::exp2(x); });
+    const auto log = [](Lanes x) { return logarithm(x); };
+    compare("log", -300.0, 300.0, false, log, [](double x) { return std::log(x); });
     const auto sine = [](Lanes x) { return sine_cosine(x).sine; };
     compare("sine", 1e-6, 3.1, true, sine, [](double x) { return std::sin(x); });
     const auto angle = [](Lanes x) {
@@ -54,7 +56,7 @@ int main() {
 
 LIMITS = {
     **{"fourth": 2e-15, "root": 2e-15, "reciprocal": 5e-14},
-    **{"power": 3e-14, "sine": 1e-14, "angle": 1e-12, "zero": 0.0},
+    **{"power": 3e-14, "log": 2e-15, "sine": 1e-14, "angle": 1e-12, "zero": 0.0},
 }
 
 

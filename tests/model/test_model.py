@@ -60,6 +60,8 @@ def test_a_section_table_may_have_corrections_too() -> None:
     close = np.sort(np.append(angle, 1e-6))
     with pytest.raises(InputError, match=r"0\.01 deg apart"):
         propmap.SectionTable(close, np.array([1e5]), np.sin(2.0 * close)[None], 0.0 * close[None])
+    with pytest.raises(InputError, match="does not rise through zero between -30 and 30 deg"):
+        propmap.SectionTable(angle, np.array([1e5]), -lift, drag)
 
 
 @pytest.mark.parametrize(

@@ -112,7 +112,7 @@ def test_an_edge_of_panels_lies_where_the_band_of_three_roots_ends(
         roots.append(int((values[:-1] * values[1:] < 0.0).sum()))
     assert roots == [1, 3, 1]
     rotor = pm.Rotor(model)
-    edge = found["edge"][found["fold"].index("fold")]
+    edge = found["edges"][0][found["folds"].index("fold")]
     assert edge == pytest.approx(low, abs=1e-4)
     assert int(rotor.loads(omega, 0.0, 0.0).roots) == 3
     inside, outside = rotor.inflow(omega, 0.0, 0.0, radius=[edge - 1e-6, edge + 1e-6]).inflow
@@ -122,7 +122,7 @@ def test_an_edge_of_panels_lies_where_the_band_of_three_roots_ends(
 def nodes(found: dict[str, Any], chosen: Any) -> Iterator[tuple[float, float, Any]]:
     """Radius, inflow and azimuths of the chosen nodes."""
     for k in chosen:
-        yield float(found["radius"][k]), float(found["inflow"][k]), half_turn(found["azimuths"])
+        yield float(found["nodes"][0][k]), float(found["nodes"][1][k]), half_turn(found["azimuths"])
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -133,10 +133,10 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     for count, motion in enumerate(points(13, 8)):
         found, rotor = solved(model, section, motion)
         states.add((motion[1] < 0.0, found["windmill"]))
-        radius = found["radius"]
+        radius = found["nodes"][0]
         free = np.flatnonzero((radius > BLADE.root + HELD) & (radius < BLADE.radius - HELD))
-        assert (np.diff(found["edge"]) > 0.0).all()
-        assert found["edge"][[0, -1]] == pytest.approx([BLADE.root, BLADE.radius], rel=1e-14)
+        assert (np.diff(found["edges"][0]) > 0.0).all()
+        assert found["edges"][0, [0, -1]] == pytest.approx([BLADE.root, BLADE.radius], rel=1e-14)
         for at in nodes(found, (*random.choice(free, 2), free[0], free[-1])[: 3 + count % 2]):
             within = 1e-8 * (motion[0] * at[0] + abs(motion[1]))
             assert is_root(rotor, *at, within) and is_largest(rotor, *at, within), (motion, at[0])
@@ -176,8 +176,8 @@ def test_other_laws_have_the_largest_root_too(one: OtherRotor, flows: Any, some:
     section = {n: getattr(law, n) for n in names} | {"M": law.sharpness}
     for motion in flows:
         found, rotor = solved(pm.Model(blade, law), section, tuple(map(float, motion)))
-        folds = found["edge"][np.array(found["fold"]) == "fold"]
-        for at in nodes(found, random.integers(0, found["radius"].size, some)):
+        folds = found["edges"][0][np.array(found["folds"]) == "fold"]
+        for at in nodes(found, random.integers(0, found["nodes"][0].size, some)):
             within = 1e-7 * motion[0] * at[0]
             assert is_root(rotor, *at, within), (motion, at[0])
             if np.abs(folds - at[0]).min(initial=np.inf) > 5e-4 * blade.radius:

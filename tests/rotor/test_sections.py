@@ -94,6 +94,18 @@ def test_tables_are_those_of_scipy_and_hermite(count: int) -> None:
     assert below == pytest.approx(above, abs=1e-9)
 
 
+@pytest.mark.parametrize("angle", [1e-15, 1e-8, -1e-15, -1e-8])
+def test_a_table_may_have_an_angle_next_to_the_one_opposite_to_zero_lift(angle: float) -> None:
+    """A knot is added at the opposite angle; the interval between both may be very short."""
+    alpha = np.radians(np.linspace(-180.0, 180.0, 73))
+    rows = np.sin(2.0 * alpha), np.sin(alpha) ** 2
+    moved = alpha + angle * (np.abs(alpha) < 3.0)
+    found = (pm.SectionTable(x, np.array([1e5]), *(r[None] for r in rows)) for x in (alpha, moved))
+    at = np.linspace(-np.pi, np.pi, 1000)
+    plain, near = (np.stack(one.coefficients(at, 1e5)) for one in found)
+    np.testing.assert_allclose(near, plain, atol=1e-3 if abs(angle) > 1e-9 else 1e-7)
+
+
 def rotor(*texts: str, law: Any = SOFT) -> pm.Rotor:
     corrections = tuple(pm.correction(text) for text in texts)
     return pm.Rotor(pm.Model(BLADE, law, corrections=corrections))

@@ -1,19 +1,19 @@
-// The blade: chord and twist at the measured stations and in between.
+// A rotor in air: chord and twist of its blades at any radius, its section law, and the corrections that are switched on.
 #pragma once
 
 #include "section.hpp"
 
 namespace propmap {
 
-// Chord and twist by monotone cubics (PCHIP) through the measured stations.
+// Chord and twist by monotone cubics through the measured stations (`blade_intervals` in Python).
 struct BladeShape {
-    std::vector<double> station;  // radii in increasing order [m]
-    // Between two stations: start, width, and cubics of chord [m] and twist [rad] over the fraction of the width.
-    struct Interval { double start, width, chord[4], twist[4]; };
-    std::vector<Interval> intervals;
-    double root = 0.0;  // radius at which the blade begins [m]
-    double tip = 0.0;   // R [m]
-    int blades = 2;     // N_b
+    // From one station to the next: start [m], and cubics of chord [m] and twist [rad], lowest power first, over the
+    // distance from the start.
+    struct Interval { double start, chord[4], twist[4]; };
+    std::vector<Interval> intervals;  // in increasing order
+    double root;                      // radius at which the blade begins [m]
+    double tip;                       // R [m]
+    int blades;                       // N_b
 
     const Interval& at(double radius) const {  // the interval that contains the radius, by bisection
         std::size_t low = 0, high = intervals.size() - 1;
@@ -24,59 +24,6 @@ struct BladeShape {
         return intervals[low];
     }
 };
-
-// Make the cubics of all intervals, through chord and twist at the stations.
-inline std::vector<BladeShape::Interval> pchip_intervals(const std::vector<double>& station,
-                                                         const std::vector<double>& chord,
-                                                         const std::vector<double>& twist) {
-    std::vector<BladeShape::Interval> found(station.size() - 1);
-    const std::vector<double> slopes[2] = {pchip_slopes(station, chord), pchip_slopes(station, twist)};
-    for (std::size_t k = 0; k < found.size(); ++k) {
-        const double h = station[k + 1] - station[k];
-        found[k].start = station[k], found[k].width = h;
-        for (int which = 0; which < 2; ++which) {
-            const std::vector<double>& y = which ? twist : chord;
-            const double m0 = slopes[which][k] * h, m1 = slopes[which][k + 1] * h, rise = y[k + 1] - y[k];
-            double* c = which ? found[k].twist : found[k].chord;
-            c[0] = y[k], c[1] = m0, c[2] = 3.0 * rise - 2.0 * m0 - m1, c[3] = m0 + m1 - 2.0 * rise;
-        }
-    }
-    return found;
-}
-
-// Make a blade from stations [m], chord [m], twist [rad], number of blades and root radius [m].
-inline BladeShape make_blade(const std::vector<double>& station, const std::vector<double>& chord,
-                             const std::vector<double>& twist, int blades, double root) {
-    return {station, pchip_intervals(station, chord, twist), root, station.back(), blades};
-}
-
-// Extend the blade inwards from its first station to a hub of this radius [m].  The chord line keeps its geometric
-// pitch, y tan(theta).  The chord continues with its mean slope over the first 0.1 R of the blade, limited to 0.5 to 1
-// times the first chord.
-inline BladeShape continued_to(const BladeShape& blade, double hub) {
-    const auto shape = [&](double y, bool of_twist) {
-        const auto& i = blade.at(y);
-        const double t = (y - i.start) / i.width;
-        const double* c = of_twist ? i.twist : i.chord;
-        return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-    };
-    const double first = blade.station.front(), further = std::min(first + 0.1 * blade.tip, blade.tip);
-    const double widest = shape(first, false), twist = shape(first, true);
-    const double taper = (shape(further, false) - widest) / (further - first);
-    const int count = 12;
-    std::vector<double> y(count + 1), c(count + 1), theta(count + 1);
-    for (int k = 0; k <= count; ++k) {
-        y[k] = k == count ? first : hub + k * ((first - hub) / count);
-        c[k] = std::clamp(widest + taper * (y[k] - first), 0.5 * widest, widest);
-        theta[k] = std::atan2(first * std::sin(twist), y[k] * std::cos(twist));
-    }
-    BladeShape longer = blade;
-    longer.root = hub;
-    longer.station.insert(longer.station.begin(), y.begin(), y.end() - 1);
-    const auto inner = pchip_intervals(y, c, theta);
-    longer.intervals.insert(longer.intervals.begin(), inner.begin(), inner.end());
-    return longer;
-}
 
 // Changes of the blade's shape, with respect to which loads can be differentiated.
 template <class S> struct BladeChange {
@@ -104,5 +51,61 @@ template <class T> struct Station {
     T lift_growth;         // factors on attached lift and drag, see section.hpp
     T drag_growth;
 };
+
+// Variation of the inflow around the disk; see inflow.hpp.
+enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
+
+// Blade, air and corrections, with respect to which loads are not differentiated.
+struct RotorSettings {
+    const BladeShape* blade = nullptr;
+    double density = 1.225;        // rho [kg/m^3]
+    double viscosity = 1.983e-5;   // mu [Pa s]
+    bool tip_loss = false;         // Prandtl's loss at the tip
+    double hub_radius = 0.0;       // radius for Prandtl's loss at the hub [m]; 0 for none
+    InflowShape inflow_shape = InflowShape::uniform;  // see inflow.hpp
+    bool installed = false;        // on a mount, which changes the rotor drag
+    double mount_wake = 1.0;       // inflow at the mount divided by the inflow at the disk [-]
+    bool radial_friction = false;
+
+    double tip() const { return blade->tip; }
+    double root() const { return blade->root; }
+};
+
+// All that loads depend on, except the operating point.  `S` is double, or a dual number if loads are differentiated.
+template <class S, template <class> class LawOf> struct Rotor : RotorSettings {
+    BladeChange<S> change{};
+    CorrectedLaw<LawOf<S>> law{};
+    S drag_factor{};               // on the drag of the blades, if installed [-]
+    S mount_area{};                // drag coefficient times area of the mount [m^2]
+};
+
+// The blade at these radii, of a rotor that turns at omega.
+template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& rotor, const W& omega, const T& radius) {
+    Lanes chord, twist, chord_slope, twist_slope;
+    for (int k = 0; k < width; ++k) {
+        const auto& i = rotor.blade->at(value(radius)[k]);
+        const double t = value(radius)[k] - i.start;
+        const double *c = i.chord, *w = i.twist;
+        chord[k] = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+        twist[k] = w[0] + t * (w[1] + t * (w[2] + t * w[3]));
+        chord_slope[k] = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
+        twist_slope[k] = w[1] + t * (2.0 * w[2] + t * 3.0 * w[3]);
+    }
+    const auto& change = rotor.change;
+    const auto wide = chain(radius, chord, chord_slope) * (1.0 + change.chord_scale);
+    const auto line = chain(radius, twist, twist_slope) + change.twist_offset -
+                      untwisting(change.untwist, rotor.tip(), radius, omega);
+    const auto per_speed = wide * (rotor.density / rotor.viscosity);
+    // At a pointed tip Re is zero and C_D infinite, but C_D times the chord is zero: limit Re from below.
+    const auto per_root = 1.0 / square_root(maximum(per_speed, 0.0 * per_speed + 1e-30));
+    const auto reynolds = per_speed * (omega * radius);
+    const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);
+    const auto drag_line = line - rotor.law.least_drag_angle_at(reynolds);
+    using A = decltype(lift_line + drag_line + wide + radius);
+    const A none{};
+    return Station<A>{radius + none,    wide + none, angle_from(lift_line + none), angle_from(drag_line + none),
+                      per_speed + none, per_root + none,
+                      rotor.law.lift_growth_at(reynolds) + none, rotor.law.drag_growth_at(reynolds) + none};
+}
 
 }  // namespace propmap

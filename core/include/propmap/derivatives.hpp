@@ -8,28 +8,29 @@
 
 namespace propmap {
 
-// Sum over lanes.
-template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
-    Dual<double, N> total{sum(x.v), {}};
-    for (int k = 0; k < N; ++k) total.d[k] = sum(x.d[k]);
+// Derivatives per pass, in registers.  With 8, a pass for 4 derivatives takes 1.7 times as long.
+inline constexpr int together = 5;
+using Slope = Dual<double, together>;
+using LaneSlope = Dual<Lanes, together>;
+
+inline Slope sum(const LaneSlope& x) {  // over lanes
+    Slope total{sum(x.v), {}};
+    for (int k = 0; k < together; ++k) total.d[k] = sum(x.d[k]);
     return total;
 }
 
-template <int N, template <class> class LawOf> using DualRotor = Rotor<Dual<double, N>, LawOf>;
-
 // Radii and weights of the nodes, with derivatives, because nodes move with the edges of panels.
-template <class S> struct MovingNodes {
-    using T = decltype(Lanes{} * S{});
-    std::vector<T> radius, weight;
+struct MovingNodes {
+    std::vector<LaneSlope> radius, weight;
 
-    MovingNodes(const Disk& disk, const std::array<S, most_folds + 2>& edge) : radius(disk.groups), weight(disk.groups) {
+    MovingNodes(const Disk& disk, const std::array<Slope, most_folds + 2>& edge) : radius(disk.groups), weight(disk.groups) {
         disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
-            const S length = edge[panel + 1] - edge[panel];
-            const S y = edge[panel] + length * rule.place[k], w = length * (node < disk.nodes ? rule.weight[k] : 0.0);
-            T &r = radius[node / width], &wide = weight[node / width];
+            const Slope length = edge[panel + 1] - edge[panel];
+            const Slope y = edge[panel] + length * rule.place[k], w = length * (node < disk.nodes ? rule.weight[k] : 0.0);
+            LaneSlope &r = radius[node / width], &wide = weight[node / width];
             const int lane = node % width;
             r.v[lane] = y.v, wide.v[lane] = w.v;
-            for (int d = 0; d < directions_of<S>; ++d) r.d[d][lane] = y.d[d], wide.d[d][lane] = w.d[d];
+            for (int d = 0; d < together; ++d) r.d[d][lane] = y.d[d], wide.d[d][lane] = w.d[d];
         });
     }
 };
@@ -47,17 +48,17 @@ template <class R, class Y, class F> auto residual_at_stall(const R& rotor, cons
 
 // The radius of an edge with its derivatives.  At a fold, the residual g and a second value C stay zero.  C is dg/dv_i
 // at a top, and the second difference of g over v_i at a shoulder.
-template <int N, template <class> class LawOf>
-Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
-                              const Flow<Dual<double, N>>& flow, const Edge& edge) {
-    Dual<double, N> radius{edge.radius, {}};
+template <template <class> class LawOf>
+Slope moving_radius(const RotorSolver<LawOf>& solver, const Solution& s, const Rotor<Slope, LawOf>& rotor, const Flow<Slope>& flow,
+                    const Edge& edge) {
+    Slope radius{edge.radius, {}};
     if (edge.kind == Edge::Kind::fixed) return radius;
     const Lanes y = broadcast(edge.radius);
     const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
     if (edge.kind == Edge::Kind::angle) {
-        const Dual<Lanes, N> g = residual_at_stall(rotor, y, flow, s);
+        const LaneSlope g = residual_at_stall(rotor, y, flow, s);
         const Dual<Lanes, 1> along = residual_at_stall(solver.rotor(), moved, s.flow, s);
-        for (int d = 0; d < N; ++d) radius.d[d] = -g.d[d][0] / along.d[0][0];
+        for (int d = 0; d < together; ++d) radius.d[d] = -g.d[d][0] / along.d[0][0];
         return radius;
     }
     const auto of = solver.annuli(s);
@@ -72,7 +73,7 @@ Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& 
         return annulus_thrust(rotor, station_at(rotor, flow.omega, radius), flow, v, s.psi) -
                wake_thrust(rotor, radius, flow, s.windmill, v);
     };
-    const Dual<Lanes, N> g = residual(rotor, y, flow);
+    const LaneSlope g = residual(rotor, y, flow);
     const Dual<Lanes, 1> along = residual(solver.rotor(), moved, s.flow);
     const Lanes slope = of.residual(of.station(y), inflow_at(y, s.flow)).d[0];
     const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
@@ -80,7 +81,7 @@ Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& 
     const double g_y = along.d[0][1], c_y = top ? 0.0 : difference(along.d[0]);
     const double determinant = g_v * c_y - g_y * c_v;
     const double per = determinant != 0.0 ? 1.0 / determinant : 0.0;
-    for (int d = 0; d < N; ++d) {
+    for (int d = 0; d < together; ++d) {
         const double g_p = g.d[d][1], c_p = top ? 0.0 : difference(g.d[d]);
         radius.d[d] = per * (g_p * c_v - g_v * c_p);
     }
@@ -88,94 +89,89 @@ Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& 
 }
 
 // The inflow at moving nodes, blended with the vortex-ring inflow, and its mean over the disk.
-template <int N> struct MovingInflow {
-    std::vector<Dual<Lanes, N>> at;
-    Dual<double, N> mean;
+struct MovingInflow {
+    std::vector<LaneSlope> at;
+    Slope mean;
 };
-template <int N, template <class> class LawOf>
-MovingInflow<N> moving_inflow(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
-                              const Flow<Dual<double, N>>& flow, const MovingNodes<Dual<double, N>>& nodes, const Azimuths& psi) {
-    using S = Dual<double, N>;
-    using T = Dual<Lanes, N>;
-    MovingInflow<N> inflow;
+template <template <class> class LawOf>
+MovingInflow moving_inflow(const RotorSolver<LawOf>& solver, const Solution& s, const Rotor<Slope, LawOf>& rotor,
+                           const Flow<Slope>& flow, const MovingNodes& nodes, const Azimuths& psi) {
+    MovingInflow inflow;
     const auto of = solver.annuli(s);
-    const S ring = vortex_ring::weight(flow), ring_inflow = vortex_ring::inflow(flow);
-    S area{}, through{};
+    const Slope ring = vortex_ring::weight(flow), ring_inflow = vortex_ring::inflow(flow);
+    Slope area{}, through{};
     for (int g = 0; g < s.disk.groups; ++g) {
         const Lanes v = s.disk.inflow[g];
         const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
-        const T change = annulus_thrust(rotor, at, flow, v, psi) - wake_thrust(rotor, nodes.radius[g], flow, s.windmill, v);
+        const LaneSlope change = annulus_thrust(rotor, at, flow, v, psi) - wake_thrust(rotor, nodes.radius[g], flow, s.windmill, v);
         const Lanes slope = of.residual(s.disk.at[g], v).d[0];
-        T moved{v, {}};
-        for (int d = 0; d < N; ++d) moved.d[d] = slope == 0.0 ? Lanes{} : -change.d[d] / slope;
-        inflow.at.push_back(value(ring) > 0.0 ? T(moved * (1.0 - ring) + ring * ring_inflow) : moved);
-        const T part = nodes.weight[g] * nodes.radius[g];
-        area += sum(part), through += sum(T(part * inflow.at[g]));
+        LaneSlope moved{v, {}};
+        for (int d = 0; d < together; ++d) moved.d[d] = slope == 0.0 ? Lanes{} : -change.d[d] / slope;
+        inflow.at.push_back(value(ring) > 0.0 ? LaneSlope(moved * (1.0 - ring) + ring * ring_inflow) : moved);
+        const LaneSlope part = nodes.weight[g] * nodes.radius[g];
+        area += sum(part), through += sum(LaneSlope(part * inflow.at[g]));
     }
     inflow.mean = through / area;
     return inflow;
 }
 
 // Add the effect of the harmonics' derivatives to the `loads` of the blades; `without` is the thrust without harmonics.
-template <int N, template <class> class LawOf>
-void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
-                          const Flow<Dual<double, N>>& flow, const MovingInflow<N>& inflow, const Azimuths& psi,
-                          const Dual<double, N>& without, Loads<Dual<double, N>>& loads) {
-    using S = Dual<double, N>;
+template <template <class> class LawOf>
+void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, const Rotor<Slope, LawOf>& rotor,
+                          const Flow<Slope>& flow, const MovingInflow& inflow, const Azimuths& psi, const Slope& without,
+                          Loads<Slope>& loads) {
     std::vector<Lanes> values;
     for (const auto& v : inflow.at) values.push_back(v.v);
     std::vector<double> integrand(2 * most_nodes);
     Loads<double> unused, by[3];
     solver.loads_and_slopes(s, psi, values, s.harmonics, unused, by, integrand.data());
     const double tip = solver.rotor().tip();
-    const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, inflow.mean};
-    const auto response = harmonic_response(rotor.inflow_shape, mean, tip).faded(S(1.0 - vortex_ring::weight(flow)));
-    const auto h = response.harmonics({loads.thrust, loads.roll_moment, S(-loads.pitch_moment)}, without);
-    S wanted[3] = {h.mean, h.lateral, h.longitudinal};
-    for (S& w : wanted) w.v = 0.0;
+    const DiskFlow<Slope> mean{flow.omega, flow.v_axial, flow.v_inplane, inflow.mean};
+    const auto response = harmonic_response(rotor.inflow_shape, mean, tip).faded(Slope(1.0 - vortex_ring::weight(flow)));
+    const auto h = response.harmonics({loads.thrust, loads.roll_moment, Slope(-loads.pitch_moment)}, without);
+    Slope wanted[3] = {h.mean, h.lateral, h.longitudinal};
+    for (Slope& w : wanted) w.v = 0.0;
     const auto now = harmonic_response(rotor.inflow_shape, s.mean, tip).faded(1.0 - s.result.ring);
-    const auto step = harmonics_step<S>(now, by, wanted);
-    const S steps[3] = {step.mean, step.lateral, step.longitudinal};
+    const auto step = harmonics_step<Slope>(now, by, wanted);
+    const Slope steps[3] = {step.mean, step.lateral, step.longitudinal};
     for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] += by[j].begin()[k] * steps[j];
+        for (int k = 0; k < Loads<Slope>::count; ++k) loads.begin()[k] += by[j].begin()[k] * steps[j];
 }
 
 // Derivatives of the loads [N], [N m] at the operating point whose solution is `s`.  In descent they require the solution
 // `at_rest` for the same Omega: the static inflow depends on the rotor and on Omega, but not on the velocity.
-template <int N, template <class> class LawOf>
-Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solution& s, const Solution& at_rest,
-                                   const DualRotor<N, LawOf>& rotor, Flow<Dual<double, N>> flow) {
-    using S = Dual<double, N>;
-    using T = Dual<Lanes, N>;
+template <template <class> class LawOf>
+Loads<Slope> load_slopes(const RotorSolver<LawOf>& solver, const Solution& s, const Solution& at_rest,
+                         const Rotor<Slope, LawOf>& rotor, Flow<Slope> flow) {
     if (s.flow.v_axial < 0.0) {
-        const S thrust = load_slopes<N>(solver, at_rest, at_rest, rotor, Flow<S>{flow.omega, S{}, S{}}).thrust;
-        flow.v_hover = static_inflow(S(thrust * (1.0 / rotor.density)), rotor.tip());
+        const Slope thrust = load_slopes(solver, at_rest, at_rest, rotor, Flow<Slope>{flow.omega, Slope{}, Slope{}}).thrust;
+        flow.v_hover = static_inflow(Slope(thrust * (1.0 / rotor.density)), rotor.tip());
     }
     // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which requires several azimuths.
     const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
-    std::array<S, most_folds + 2> edge;
-    for (int k = 0; k <= s.disk.panels; ++k) edge[k] = moving_radius<N>(solver, s, rotor, flow, s.disk.edge[k]);
-    const MovingNodes<S> nodes(s.disk, edge);
-    const auto inflow = moving_inflow<N>(solver, s, rotor, flow, nodes, psi);
+    std::array<Slope, most_folds + 2> edge;
+    for (int k = 0; k <= s.disk.panels; ++k) edge[k] = moving_radius(solver, s, rotor, flow, s.disk.edge[k]);
+    const MovingNodes nodes(s.disk, edge);
+    const auto inflow = moving_inflow(solver, s, rotor, flow, nodes, psi);
     const bool around = rotor.inflow_shape != InflowShape::uniform;
-    Loads<S> total{};
-    S without{};
+    Loads<Slope> total{};
+    Slope without{};
     for (int g = 0; g < s.disk.groups; ++g) {
         const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
         if (around) {
             total.add(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi, s.harmonics)), nodes.weight[g]);
-            without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow.at[g], psi)));
+            without += sum(LaneSlope(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow.at[g], psi)));
         } else {
             total.add(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi)), nodes.weight[g]);
         }
         if (rotor.radial_friction) total.add(radial_friction(rotor, at, flow, inflow.at[g], psi), nodes.weight[g]);
     }
-    if (around) add_moving_harmonics<N>(solver, s, rotor, flow, inflow, psi, without, total);
+    if (around) add_moving_harmonics(solver, s, rotor, flow, inflow, psi, without, total);
     complete_loads(rotor, flow, inflow.mean, total);
     // In axial flow, in-plane forces and moments about in-plane axes change only with the in-plane velocity.
-    for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
+    for (int d = 0; d < together && s.flow.v_inplane == 0.0; ++d)
         if (flow.v_inplane.d[d] == 0.0)
-            for (S* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
+            for (Slope* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
     return total;
 }
 

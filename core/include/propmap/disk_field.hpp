@@ -13,7 +13,6 @@ template <template <class> class LawOf>
 void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii, const std::vector<double>& psi,
                 double* mean, double* local) {
     const auto& rotor = solver.rotor();
-    const bool around = solver.has_harmonics(s);
     const auto& f = s.flow;
     if (f.v_inplane > 0.0) s.psi = azimuths(128);
     Disk disk;
@@ -29,31 +28,33 @@ void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         const Lanes v = (1.0 - ring) * disk.inflow[g] + ring * ring_inflow;
-        auto loads = around ? loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi, s.harmonics))
-                            : loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi));
+        auto loads = loads_of(rotor, at, turn_forces(rotor, at, f, v, s.psi, s.harmonics));
         if (rotor.radial_friction && f.v_inplane > 0.0) {
             const auto more = radial_friction(rotor, at, f, v, s.psi);
             loads.drag += more.drag, loads.torque += more.torque;
         }
-        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) {
-            *mean++ = v[k] + s.harmonics.mean;
-            for (const Lanes& load : {loads.thrust, loads.drag, loads.torque}) *mean++ = rotor.density * load[k];
-            const double y = at.radius[k], reynolds = at.reynolds_per_speed[k];
-            const double zero_lift = value(rotor.law.zero_lift_angle_at(reynolds * f.omega * y));
-            for (double azimuth : psi) {
-                const double sine = std::sin(azimuth), share = y / rotor.tip();
-                const double inflow = v[k] + s.harmonics.mean + share * (s.harmonics.lateral * sine +
-                                                                         s.harmonics.longitudinal * std::cos(azimuth));
-                const double u_t = f.omega * y + f.v_inplane * sine, u_p = f.v_axial + inflow;
-                const double line_sine = at.line.sine[k], line_cosine = at.line.cosine[k];
-                const double angle = std::atan2(line_sine * u_t - line_cosine * u_p, line_cosine * u_t + line_sine * u_p);
-                const double side = angle < 0.0 ? -1.0 : 1.0;
-                const double stall = value(rotor.law.stall_angle(reynolds * std::hypot(u_t, u_p), side));
-                const auto force = element_forces(rotor, at, f, broadcast(inflow), sine).normal;
-                for (double x : {inflow, std::remainder(angle + zero_lift, 2.0 * pi), side * (angle - stall), u_t, u_p, rotor.density * force[k]})
-                    *local++ = x;
+        const int lanes = std::min(width, disk.nodes - g * width);
+        for (int k = 0; k < lanes; ++k)
+            for (const Lanes& x : {Lanes(v + s.harmonics.mean), rotor.density * loads.thrust, rotor.density * loads.drag,
+                                   rotor.density * loads.torque})
+                *mean++ = x[k];
+        const Lanes turning = f.omega * at.radius, share = at.radius / rotor.tip();
+        const Lanes zero_lift = rotor.law.zero_lift_angle_at(at.reynolds_per_speed * turning) + Lanes{};
+        for (std::size_t p = 0; p < psi.size(); ++p) {
+            const double sine = std::sin(psi[p]);
+            const double around_disk = s.harmonics.lateral * sine + s.harmonics.longitudinal * std::cos(psi[p]);
+            const Lanes inflow = v + s.harmonics.mean + share * around_disk;
+            const auto e = element_flow(at, f, inflow, sine);
+            const Lanes angle = radians(e.section.alpha), normal = rotor.density * forces_in(rotor, at, e).normal;
+            for (int k = 0; k < lanes; ++k) {
+                const double side = angle[k] < 0.0 ? -1.0 : 1.0;
+                const double stall = value(rotor.law.stall_angle(e.section.reynolds[k], side));
+                const double found[] = {inflow[k], std::remainder(angle[k] + zero_lift[k], 2.0 * pi), side * (angle[k] - stall),
+                                        e.u_t[k], e.u_p[k], normal[k]};
+                std::copy_n(found, 6, local + 6 * (k * psi.size() + p));
             }
         }
+        local += 6 * lanes * psi.size();
     }
 }
 
@@ -61,17 +62,13 @@ void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector
 template <class R> double attached_thrust(const R& rotor, const Flow<double>& flow) {
     const Annuli<R> of{rotor, flow, azimuths(1), azimuths(1), false};
     const int count = 12;
-    double total = 0.0, before = 0.0;
+    double total = 0.0;
     for (int first = 0; first < count; first += width) {
         const Lanes y = each_lane([&](int k) {
             return rotor.root() + (rotor.tip() - rotor.root()) * std::min(first + k, count - 1) / (count - 1.0);
         });
-        const auto at = of.station(y);
-        const Lanes dt = momentum_thrust(y, flow, attached_guess(of, at));
-        for (int k = 0; k < width && first + k < count; ++k) {
-            if (first + k > 0) total += 0.5 * (before + dt[k]);
-            before = dt[k];
-        }
+        const Lanes dt = momentum_thrust(y, flow, attached_guess(of, of.station(y)));
+        for (int k = 0; k < width && first + k < count; ++k) total += (first + k == 0 || first + k == count - 1 ? 0.5 : 1.0) * dt[k];
     }
     return rotor.density * total * (rotor.tip() - rotor.root()) / (count - 1.0);
 }

@@ -8,21 +8,9 @@
 
 namespace propmap {
 
-// Derivatives along N directions.  A single derivative is not an array, so that compilers keep it in a register.
-template <class V, int N> struct Slopes {
-    V along[N];
-    V& operator[](int k) { return along[k]; }
-    const V& operator[](int k) const { return along[k]; }
-};
-template <class V> struct Slopes<V, 1> {
-    V only;
-    V& operator[](int) { return only; }
-    const V& operator[](int) const { return only; }
-};
-
 template <class V, int N> struct Dual {  // value and derivatives
     V v;
-    Slopes<V, N> d;
+    V d[N];
 };
 
 template <class T> struct Traits {  // number of directions, and type of the value
@@ -42,9 +30,6 @@ template <class T> const auto& value(const T& x) {  // x without its derivatives
     if constexpr (IsDual<T>) return x.v;
     else return x;
 }
-
-template <class A, class B>
-inline constexpr int common_directions = directions_of<A> > 0 ? directions_of<A> : directions_of<B>;
 
 // f(x) with its derivative `slope` at x.
 template <class T, class V, class W> auto chain(const T& x, const V& f, const W& slope) {
@@ -96,15 +81,8 @@ template <IsDual T> T operator-(const T& a) { return chain(a, -a.v, broadcast_li
 
 template <class V, int N, class B> Dual<V, N>& operator+=(Dual<V, N>& a, const B& b) { return a = a + b; }
 
-template <class A, class B> requires EitherDual<A, B> auto operator<(const A& a, const B& b) {
-    return value(a) < value(b);
-}
-template <class A, class B> requires EitherDual<A, B> auto operator>(const A& a, const B& b) {
-    return value(a) > value(b);
-}
-
 template <class M, class A, class B> requires EitherDual<A, B> auto select(M which, const A& a, const B& b) {
-    constexpr int N = common_directions<A, B>;
+    constexpr int N = IsDual<A> ? directions_of<A> : directions_of<B>;
     using V = decltype(value(a) + value(b));
     const V none{};
     Dual<V, N> r;
@@ -118,10 +96,10 @@ template <class M, class A, class B> requires EitherDual<A, B> auto select(M whi
 }
 
 template <class A, class B> requires EitherDual<A, B> auto minimum(const A& a, const B& b) {
-    return select(a < b, a, b);
+    return select(value(a) < value(b), a, b);
 }
 template <class A, class B> requires EitherDual<A, B> auto maximum(const A& a, const B& b) {
-    return select(a > b, a, b);
+    return select(value(a) > value(b), a, b);
 }
 template <IsDual T> T absolute(const T& x) {
     return chain(x, absolute(x.v), select(x.v < 0.0, broadcast_like(x.v, -1.0), broadcast_like(x.v, 1.0)));

@@ -43,7 +43,6 @@ inline constexpr double negligible = 1e-13;  // harmonics below this share of th
 // thrust at rest.  A fold between two nodes has the effect of a fold in the middle of them.  Blades that stall
 // abruptly therefore require many nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
-    constexpr int counts[] = {24, 48, 96, 192};
     Solution exact, found;
     const double radius = solver.rotor().tip();
     const auto close = [&](int count) {
@@ -61,7 +60,9 @@ template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& 
         }
         return true;
     };
-    return *std::find_if(std::begin(counts), std::end(counts) - 1, close);
+    for (int count : {24, 48, 96})
+        if (close(count)) return count;
+    return 192;
 }
 
 // Dynamic inflow of a rotor, at a fixed number of nodes.
@@ -102,10 +103,10 @@ template <template <class> class LawOf> class DynamicInflow {
         // slope of at least half of the mass-flow parameter in size.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
-        Loads<double> total{};
+        Loads<Lanes> sums{};  // over groups; the lanes are added at the end
         // For the decay of harmonics: dT/dv_0, and dL/dv_s or dM/dv_c with sin^2(psi) replaced by its mean, 1/2.
-        double by_mean = 0.0, by_gradient = 0.0;
-        double thrust_without = 0.0, area = 0.0, through_area = 0.0;
+        Lanes by_mean{}, by_gradient{};
+        Lanes thrust_without{}, area{}, through_area{};
         for (int g = 0; g < s.disk.groups; ++g) {
             const auto& station = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
@@ -133,18 +134,20 @@ template <template <class> class LawOf> class DynamicInflow {
             Loads<Lanes> loads;
             for (int k = 0; k < Loads<Lanes>::count; ++k) loads.begin()[k] = uniform.begin()[k].v;
             if (ring > 0.0) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi));
-            thrust_without += sum(weight * loads.thrust);
+            thrust_without += weight * loads.thrust;
             if (around) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi, s.harmonics));
             const Loads<Lanes> friction = rotor.radial_friction && at.v_inplane > 0.0
                                               ? radial_friction(rotor, station, s.flow, used, of.few) : Loads<Lanes>{};
-            for (int k = 0; k < Loads<double>::count; ++k)
-                total.begin()[k] += sum(weight * (loads.begin()[k] + friction.begin()[k]));
+            for (int k = 0; k < Loads<Lanes>::count; ++k)
+                sums.begin()[k] += weight * (loads.begin()[k] + friction.begin()[k]);
             const Lanes part = weight * station.radius;
-            area += sum(part), through_area += sum(part * used);
-            by_mean += sum(weight * uniform.thrust.d[0]);
-            by_gradient += sum(0.5 / radius * part * station.radius * uniform.thrust.d[0]);
+            area += part, through_area += part * used;
+            by_mean += weight * uniform.thrust.d[0];
+            by_gradient += 0.5 / radius * part * station.radius * uniform.thrust.d[0];
         }
-        s.mean = {at.omega, at.v_axial, at.v_inplane, through_area / area};
+        Loads<double> total;
+        for (int k = 0; k < Loads<double>::count; ++k) total.begin()[k] = sum(sums.begin()[k]);
+        s.mean = {at.omega, at.v_axial, at.v_inplane, sum(through_area) / sum(area)};
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
         s.result.loads = total;
         complete_loads(rotor, s.flow, s.mean.inflow, s.result.loads);
@@ -152,11 +155,12 @@ template <template <class> class LawOf> class DynamicInflow {
 
         // If stalled blades amplify a harmonic, the slope for its step excludes the contribution of the blades.
         const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = gains.faded(1.0 - ring);
-        const auto wanted = response.harmonics({total.thrust, total.roll_moment, -total.pitch_moment}, thrust_without);
+        const auto wanted = response.harmonics({total.thrust, total.roll_moment, -total.pitch_moment}, sum(thrust_without));
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
-        const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
+        const double volume = radius * radius * radius, mass = 8.0 / 3.0 * volume, inertia = 16.0 / 45.0 * volume * radius;
         const double lag[3] = {mass * gains.mean_by_thrust, inertia * gains.by_roll, inertia * gains.by_rear};  // [s]
-        const double by_itself[3] = {response.mean_by_thrust * by_mean, response.by_roll * by_gradient, response.by_rear * by_gradient};
+        const double slope = sum(by_gradient);
+        const double by_itself[3] = {response.mean_by_thrust * sum(by_mean), response.by_roll * slope, response.by_rear * slope};
         const double least_harmonic = negligible * (at.omega * radius + s.mean.speed());
         double rate[3], next[3];
         for (int k = 0; k < 3; ++k) {

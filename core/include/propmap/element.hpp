@@ -1,7 +1,7 @@
 // Forces of a blade element, eqs. (1) to (7), and the loads of an annulus as their means over a turn.
 #pragma once
 
-#include "corrections.hpp"
+#include "blade.hpp"
 
 namespace propmap {
 

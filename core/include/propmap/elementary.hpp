@@ -41,12 +41,8 @@ inline double broadcast_like(double, double x) { return x; }  // x as wide as th
 inline Lanes broadcast_like(Lanes, double x) { return broadcast(x); }
 
 inline double select(bool which, double a, double b) { return which ? a : b; }
-inline Lanes select(bool which, Lanes a, Lanes b) { return which ? a : b; }
 inline Lanes select(Mask which, Lanes a, Lanes b) { return which ? a : b; }
-inline Lanes select(Mask which, double a, Lanes b) { return which ? broadcast(a) : b; }
-inline Lanes select(Mask which, Lanes a, double b) { return which ? a : broadcast(b); }
 
-inline bool any(bool m) { return m; }
 inline bool any(Mask m) {
     std::int64_t r = 0;
     for (int k = 0; k < width; ++k) r |= m[k];
@@ -71,12 +67,6 @@ inline Lanes maximum(Lanes a, double b) { return maximum(a, broadcast(b)); }
 
 inline double square(double x) { return x * x; }
 inline Lanes square(Lanes x) { return x * x; }
-
-inline double logarithm(double x) { return std::log(x); }
-inline Lanes logarithm(Lanes x) {
-    for (int k = 0; k < width; ++k) x[k] = std::log(x[k]);
-    return x;
-}
 
 namespace detail {
 
@@ -115,16 +105,21 @@ inline constexpr double angle_series[] = {
     0.00005305101910057807332, -0.00001674178826845915375, 5.36162542907487025e-6, -1.708989102970234871e-6,
     4.880137059354355897e-7,  -1.564219934032609264e-7,  8.6417766281388885e-8,   -2.791601410982174177e-8};
 
-template <class T> T angle_of(T cosine, T sine) {
-    T near = sine * polynomial(angle_series, 2.0 * absolute(cosine) - 1.0);
-    T turned = select(sine < 0.0, broadcast_like(cosine, -pi), broadcast_like(cosine, pi)) - near;
-    return select(cosine < 0.0, turned, near);
-}
-
 }  // namespace detail
 
 inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
+
+// ln(x) for x > 0: ln(m) + n ln(2) with x = 2^n m and m between sqrt(1/2) and sqrt(2).  The series of ln(m) in powers of
+// s = (m - 1)/(m + 1) errs by less than rounding.  For x <= 0, -infinity.
+inline Lanes logarithm(Lanes x) {
+    constexpr double series[] = {2.0, 2.0 / 3, 2.0 / 5, 2.0 / 7, 2.0 / 9, 2.0 / 11, 2.0 / 13, 2.0 / 15, 2.0 / 17, 2.0 / 19};
+    const Mask bits = std::bit_cast<Mask>(x > 0.0 ? x : broadcast(1.0)), n = (bits - 0x3fe6a09e667f3bcd) >> 52;
+    const Lanes m = std::bit_cast<Lanes>(bits - (n << 52)), s = (m - 1.0) / (m + 1.0);
+    const Lanes whole = std::bit_cast<Lanes>(n + 0x4338000000000000) - 1.5 * 4503599627370496.0;  // n, converted to double
+    const Lanes found = whole * 0.69314718055994530942 + s * detail::polynomial(series, Lanes(s * s));
+    return x > 0.0 ? found : x - INFINITY;
+}
 
 // 1/x^(1/4) and 1/x for x > 0, except the smallest and largest numbers.  Roots and quotients take ten times as long as
 // products.  A first value r from the bits of x errs by 3 and 5 %.  A polynomial of its defect `missing`, 1 - x r^4 or
@@ -136,7 +131,6 @@ inline Lanes inverse_fourth_root(Lanes x) {
     square = r * r, missing = 1.0 - x * square * square;
     return r + r * missing * (0.25 + 0.15625 * missing);
 }
-inline double reciprocal(double x) { return 1.0 / x; }
 inline Lanes reciprocal(Lanes x) {
     Lanes r = std::bit_cast<Lanes>(0x7fde623850248534 - std::bit_cast<Mask>(x));
     Lanes missing = 1.0 - x * r;
@@ -150,12 +144,11 @@ inline double square_root(double x) { return std::sqrt(x); }
 inline Lanes square_root(Lanes x) { return x * inverse_square_root(x); }  // for zero, too
 
 // Angle [rad] in (-pi, pi] with this cosine and sine.
-inline double angle_of(double cosine, double sine) { return detail::angle_of(cosine, sine); }
-inline Lanes angle_of(Lanes cosine, Lanes sine) { return detail::angle_of(cosine, sine); }
-
-template <class T> struct SineCosine { T sine, cosine; };
-
-inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(x)}; }
+inline Lanes angle_of(Lanes cosine, Lanes sine) {
+    const Lanes near = sine * detail::polynomial(detail::angle_series, Lanes(2.0 * absolute(cosine) - 1.0));
+    const Lanes turned = (sine < 0.0 ? broadcast(-pi) : broadcast(pi)) - near;
+    return cosine < 0.0 ? turned : near;
+}
 
 namespace detail {
 
@@ -172,6 +165,8 @@ struct TurnSeries {
 inline constexpr TurnSeries turn_series;
 
 }  // namespace detail
+
+template <class T> struct SineCosine { T sine, cosine; };
 
 // For |x| <= pi, by the series at half the angle; error 3e-16.
 inline SineCosine<Lanes> sine_cosine(Lanes x) {

@@ -8,10 +8,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
-#include "pchip.hpp"
 #include "velocities.hpp"
 
 namespace propmap {
@@ -79,14 +79,23 @@ template <class S> struct BlendedLaw {
         return logarithm(within * (1.0 / 5e4));
     }
 
-    template <class F> auto coefficients(const F& flow) const {
+    // `growing` selects the factors of `GrowingLaw` on lift and drag.
+    template <bool growing = false, class F> auto coefficients(const F& flow) const {
         const auto angle = radians(flow.alpha);
         const auto& [sine, cosine, change] = flow.alpha;
         const auto separated = c_l2 * separated_share(change, sine, cosine);
-        const auto lift = separated + attached_share(angle) * (c_l1 * angle - separated);  // Eq. (3)
-        const auto drag = c_d * square(propmap::sine(flow.drag_alpha)) +
-                          (2.0 * 1.02) * c_p * flow.inverse_root_reynolds + c_d0;  // Eq. (4)
-        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+        const auto share = attached_share(angle);
+        const auto pressure = c_d * square(propmap::sine(flow.drag_alpha));
+        const auto friction = (2.0 * 1.02) * c_p * flow.inverse_root_reynolds;
+        const auto both = [](const auto& lift, const auto& drag) {
+            return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+        };
+        if constexpr (growing)
+            return both(separated + share * (c_l1 * flow.lift_growth * angle - separated),
+                        (1.0 + share * (flow.drag_growth - 1.0)) * (pressure + c_d0) + friction);
+        else
+            return both(separated + share * (c_l1 * angle - separated),  // Eq. (3)
+                        pressure + friction + c_d0);                     // Eq. (4)
     }
 
     // Separated lift divided by c_l2: sin(a) cos(a) in eq. (3).  For a plate it is divided by 0.56 + 0.44 |sin(a)|
@@ -135,128 +144,22 @@ template <class S> struct GrowingLaw : BlendedLaw<S> {
         return power_of_two(BlendedLaw<S>::log2_e * power * BlendedLaw<S>::log_reynolds(reynolds));
     }
 
-    template <class F> auto coefficients(const F& flow) const {
-        const auto angle = radians(flow.alpha);
-        const auto& [sine, cosine, change] = flow.alpha;
-        const auto separated = this->c_l2 * this->separated_share(change, sine, cosine);
-        const auto share = this->attached_share(angle);
-        const auto lift = separated + share * (this->c_l1 * flow.lift_growth * angle - separated);  // Eq. (3)
-        const auto growth = 1.0 + share * (flow.drag_growth - 1.0);
-        const auto drag = growth * (this->c_d * square(propmap::sine(flow.drag_alpha)) + this->c_d0) +
-                          (2.0 * 1.02) * this->c_p * flow.inverse_root_reynolds;  // Eq. (4)
-        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
-    }
+    template <class F> auto coefficients(const F& flow) const { return BlendedLaw<S>::template coefficients<true>(flow); }
 };
 
-// The numbers of a tabulated law.  For each interval of angles and each Reynolds number, the table contains
-// cubics of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re), lowest power first.
+// The numbers of a tabulated law (`SectionTable.core_law` in Python).  For each interval of angles and each Reynolds
+// number, the table contains cubics of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re), lowest power first.
 struct SectionTable {
     std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
     std::vector<int> first;      // for each of many equal steps around the circle: the interval at its start
     std::vector<double> rows;    // 16 numbers per Reynolds number and interval
     std::vector<double> log_re;  // rising
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
-    double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
     // Stall width, assumed for every table [rad].  A smaller width requires more azimuths and a stricter limit on the
     // error (rotor.hpp).
     double stall_width = 0.014;
 };
-
-// Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.
-inline SectionTable make_section_table(const std::vector<double>& angle, const std::vector<double>& reynolds,
-                                       std::vector<double> lift, std::vector<double> drag) {
-    const std::size_t k_all = angle.size(), rows = reynolds.size();
-    SectionTable t;
-    for (double re : reynolds) t.log_re.push_back(std::log(re));
-    // If lift rises through zero at several angles, the one nearest to zero counts.
-    const double* middle = &lift[rows / 2 * k_all];
-    t.zero_lift_angle = INFINITY;
-    for (std::size_t k = 0; k + 1 < k_all; ++k) {
-        if (!(middle[k] <= 0.0 && middle[k + 1] > 0.0)) continue;
-        const double zero = angle[k] - middle[k] / (middle[k + 1] - middle[k]) * (angle[k + 1] - angle[k]);
-        if (std::fabs(zero) < std::fabs(t.zero_lift_angle)) t.zero_lift_angle = zero;
-    }
-    // Measure angles from zero lift, in rising order from -pi.
-    std::vector<std::pair<double, std::size_t>> turned;
-    for (std::size_t k = 0; k + 1 < k_all; ++k) {
-        const double from = angle[k] - t.zero_lift_angle + pi;
-        turned.emplace_back(from - 2.0 * pi * std::floor(from / (2.0 * pi)) - pi, k);
-    }
-    std::sort(turned.begin(), turned.end());
-    const bool cut = turned[0].first > -pi;
-    if (cut) t.knots.push_back(-pi);
-    for (const auto& [from, k] : turned) t.knots.push_back(from);
-    t.knots.push_back(pi);
-    const std::size_t knots = t.knots.size();
-    const auto rearranged = [&](const std::vector<double>& values) {
-        std::vector<double> r;
-        for (std::size_t row = 0; row < rows; ++row) {
-            const auto at = [&](std::size_t j) { return values[row * k_all + turned[j].second]; };
-            const std::size_t last = turned.size() - 1;
-            const double share = (pi - turned[last].first) / (turned[0].first + 2.0 * pi - turned[last].first);
-            const double end = cut ? at(last) + share * (at(0) - at(last)) : at(0);
-            if (cut) r.push_back(end);
-            for (std::size_t j = 0; j < turned.size(); ++j) r.push_back(at(j));
-            r.push_back(end);
-        }
-        return r;
-    };
-    lift = rearranged(lift), drag = rearranged(drag);
-    // Derivatives with respect to ln(Re): zero at the lowest and the highest Reynolds number.
-    const auto by_log_re = [&](const std::vector<double>& values) {
-        std::vector<double> r(values.size(), 0.0), column(rows);
-        for (std::size_t k = 0; k < knots && rows > 2; ++k) {
-            for (std::size_t row = 0; row < rows; ++row) column[row] = values[row * knots + k];
-            const auto slope = pchip_slopes(t.log_re, column);
-            for (std::size_t row = 1; row + 1 < rows; ++row) r[row * knots + k] = slope[row];
-        }
-        return r;
-    };
-    const std::vector<double> tables[4] = {lift, by_log_re(lift), drag, by_log_re(drag)};
-    t.rows.resize(rows * (knots - 1) * 16);
-    for (std::size_t row = 0; row < rows; ++row)
-        for (int which = 0; which < 4; ++which) {
-            const std::vector<double> y(tables[which].begin() + row * knots, tables[which].begin() + (row + 1) * knots);
-            const auto slope = pchip_slopes(t.knots, y);
-            for (std::size_t k = 0; k + 1 < knots; ++k) {
-                const double h = t.knots[k + 1] - t.knots[k], rise = (y[k + 1] - y[k]) / h;
-                double* c = &t.rows[16 * (row * (knots - 1) + k) + 4 * which];
-                c[0] = y[k], c[1] = slope[k];
-                c[2] = (3.0 * rise - 2.0 * slope[k] - slope[k + 1]) / h, c[3] = (slope[k] + slope[k + 1] - 2.0 * rise) / (h * h);
-            }
-        }
-    // Equal steps around the circle, shorter than any interval.
-    double least = 2.0 * pi;
-    for (std::size_t k = 0; k + 1 < knots; ++k) least = std::min(least, t.knots[k + 1] - t.knots[k]);
-    const int count = int(std::ceil(2.0 * pi / (0.999 * least)));
-    for (int step = 0; step < count; ++step) {
-        const auto after = std::upper_bound(t.knots.begin(), t.knots.end(), -pi + 2.0 * pi * step / count);
-        t.first.push_back(std::clamp(int(after - t.knots.begin()) - 1, 0, int(knots) - 2));
-    }
-    // Stall is the first peak of lift on either side of zero lift; the largest peak may be the one near 45 deg.  Up to
-    // the angle `attached`, lift is below 0.9 of its value at stall at all Reynolds numbers: flow counts as attached.
-    const std::size_t zero = std::lower_bound(t.knots.begin(), t.knots.end(), 0.0) - t.knots.begin();
-    double attached = pi;
-    for (std::size_t row = 0; row < rows; ++row) {
-        const double* l = &lift[row * knots];
-        std::size_t up = zero, down = zero - 1;
-        while (up + 1 < knots && !(l[up] > 0.0 && l[up + 1] < l[up])) ++up;
-        while (down > 0 && !(l[down] < 0.0 && l[down - 1] > l[down])) --down;
-        t.stall_up.push_back(t.knots[up]), t.stall_down.push_back(t.knots[down]);
-        std::size_t k = zero;
-        while (k < up && l[k] < 0.9 * l[up]) ++k;
-        const double part = k > zero ? (0.9 * l[up] - l[k - 1]) / (l[k] - l[k - 1]) : 1.0;
-        attached = std::min(attached, k > zero ? t.knots[k - 1] + part * (t.knots[k] - t.knots[k - 1]) : t.knots[k]);
-    }
-    t.attached_slope = 0.0;
-    for (std::size_t row = 0; row < rows; ++row) {
-        const std::size_t k = std::upper_bound(t.knots.begin(), t.knots.end(), attached) - t.knots.begin() - 1;
-        const double* l = &lift[row * knots + k];
-        t.attached_slope += (l[0] + (attached - t.knots[k]) / (t.knots[k + 1] - t.knots[k]) * (l[1] - l[0])) / attached / double(rows);
-    }
-    return t;
-}
 
 // C_L and C_D from a table, by monotone cubics in the angle and in ln(Re).  Outside the table, the nearest Re is used.
 template <class S> struct TabulatedLaw {
@@ -267,62 +170,58 @@ template <class S> struct TabulatedLaw {
     static constexpr const char* kind = "tabulated";
     template <class Visit> void each_number(Visit visit) { visit("zero_lift_angle", zero_lift_angle); }
     template <class Source> void read_fixed(const Source& from) {
-        table = std::make_shared<SectionTable>(make_section_table(from.numbers("angle"), from.numbers("reynolds"),
-                                                                  from.numbers("lift"), from.numbers("drag")));
-        zero_lift_angle = table->zero_lift_angle;
+        const auto knots = from.numbers("knots", 2, true), log_re = from.numbers("log_re", 1, true);
+        const std::size_t intervals = knots.size() - 1, rows = log_re.size();
+        const auto first = from.numbers("first", 1, true);
+        for (double k : first) from.check(k >= 0.0 && k < double(intervals), "the array first has an interval that does not exist");
+        table = std::make_shared<SectionTable>(SectionTable{
+            knots, {first.begin(), first.end()}, from.numbers("rows", 16 * rows * intervals), log_re,
+            from.numbers("stall_up", rows), from.numbers("stall_down", rows), from.number("attached_slope")});
     }
     template <class Law> void copy_fixed(const Law& from) { table = from.table; }
-
-    struct Value {  // a coefficient and its derivatives
-        double value, by_angle, by_log_re;
-    };
 
     template <class R> auto zero_lift_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> double lift_growth_at(const R&) const { return 1.0; }
     template <class R> double drag_growth_at(const R&) const { return 1.0; }
 
-    // C_L (which = 0) or C_D (which = 8) in interval k of angles and interval r of ln(Re).  `along` is the angle [rad]
-    // past the start of interval k, and t the fraction of interval r.
-    Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
-        const int intervals = int(table->knots.size()) - 1;
-        const auto cubic = [&](int row, int at) {
-            const double* c = &table->rows[16 * std::size_t(row) + at];
-            return Value{c[0] + along * (c[1] + along * (c[2] + along * c[3])),
-                         c[1] + along * (2.0 * c[2] + along * 3.0 * c[3]), 0.0};
-        };
-        if (table->log_re.size() == 1) return cubic(k, which);
-        const int below = r * intervals + k, above = below + intervals;
-        const Value f0 = cubic(below, which), f1 = cubic(above, which);
-        const Value m0 = cubic(below, which + 4), m1 = cubic(above, which + 4);
-        const auto between = [&](double y0, double y1, double s0, double s1, double& slope) {
-            const double rise = y1 - y0, a = width_of_re * s0, b = width_of_re * s1;
-            const double c2 = 3.0 * rise - 2.0 * a - b, c3 = a + b - 2.0 * rise;
-            slope = (a + t * (2.0 * c2 + t * 3.0 * c3)) / width_of_re;
-            return y0 + t * (a + t * (c2 + t * c3));
-        };
-        double by_log_re, unused;
-        const double v = between(f0.value, f1.value, m0.value, m1.value, by_log_re);
-        const double s = between(f0.by_angle, f1.by_angle, m0.by_angle, m1.by_angle, unused);
-        return {v, s, by_log_re};
-    }
-
     int interval(double angle) const {  // the interval that contains this angle
         const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
         const double step = (angle + pi) * (count / (2.0 * pi));
         int k = table->first[step >= 0.0 ? std::min(int(std::min(step, count - 1.0)), count - 1) : 0];
-        return k + (angle >= table->knots[k + 1] && k < intervals - 1);
+        while (k < intervals - 1 && angle >= table->knots[k + 1]) ++k;
+        return k;
     }
 
-    // Return the interval of ln(Re).  Set the fraction t in this interval, and whether `log_re` is inside the table.
-    int among_reynolds(double log_re, double& t, bool& inside) const {
+    // A place among the Reynolds numbers: a number of the table, and the fraction of the way to the next number.  A
+    // coefficient, and its derivative with respect to ln(Re), are sums over `count` values, weighted by `at` and `slope`:
+    // the coefficient and its derivative with respect to ln(Re) at the first number, and the same at the next number.
+    struct Place {
+        std::size_t row;
+        int count;
+        double fraction, at[4], slope[4];
+    };
+    Place place_of(double log_re) const {
         const auto& x = table->log_re;
-        if (x.size() == 1) return t = 0.0, inside = false, 0;
-        inside = log_re > x.front() && log_re < x.back();
-        log_re = std::clamp(log_re, x.front(), x.back());
-        const int r = int(std::upper_bound(x.begin() + 1, x.end() - 1, log_re) - x.begin()) - 1;
-        t = (log_re - x[r]) / (x[r + 1] - x[r]);
-        return r;
+        const std::size_t next = std::upper_bound(x.begin(), x.end(), log_re) - x.begin();
+        if (next == 0 || next == x.size()) return {next == 0 ? 0 : next - 1, 1, 0.0, {std::isnan(log_re) ? log_re : 1.0}, {}};
+        const double span = x[next] - x[next - 1], t = (log_re - x[next - 1]) / span, u = 1.0 - t, bump = 6.0 * t * u / span;
+        return {next - 1, 4, t, {u * u * (1.0 + 2.0 * t), span * t * u * u, t * t * (1.0 + 2.0 * u), -span * t * t * u},
+                {-bump, u * (1.0 - 3.0 * t), bump, t * (1.0 - 3.0 * u)}};
+    }
+
+    // C_L (which = 0) or C_D (which = 8), and its derivatives with respect to the angle and ln(Re), in interval k of
+    // angles.  `along` is the angle [rad] past the start of the interval.
+    std::array<double, 3> look_up(int which, int k, double along, const Place& place) const {
+        const std::size_t intervals = table->knots.size() - 1;
+        double value = 0.0, by_angle = 0.0, by_log_re = 0.0;
+        for (int j = 0; j < place.count; ++j) {
+            const double* c = &table->rows[16 * ((place.row + j / 2) * intervals + k) + which + 4 * (j % 2)];
+            const double there = c[0] + along * (c[1] + along * (c[2] + along * c[3]));
+            value += place.at[j] * there, by_log_re += place.slope[j] * there;
+            by_angle += place.at[j] * (c[1] + along * (2.0 * c[2] + along * 3.0 * c[3]));
+        }
+        return {value, by_angle, by_log_re};
     }
 
     template <class F> auto coefficients(const F& flow) const {
@@ -332,31 +231,18 @@ template <class S> struct TabulatedLaw {
         for (int k = 0; k < width; ++k) {
             const double a = value(angle)[k];
             const int at = interval(a);
-            double t;
-            bool inside;
-            const int r = among_reynolds(value(log_re)[k], t, inside);
-            const double span = inside ? table->log_re[r + 1] - table->log_re[r] : 1.0;
-            const Value l = look_up(0, at, a - table->knots[at], r, t, span);
-            const Value d = look_up(8, at, a - table->knots[at], r, t, span);
-            lift[0][k] = l.value, lift[1][k] = l.by_angle, lift[2][k] = inside ? l.by_log_re : 0.0;
-            drag[0][k] = d.value, drag[1][k] = d.by_angle, drag[2][k] = inside ? d.by_log_re : 0.0;
+            const auto place = place_of(value(log_re)[k]);
+            const auto l = look_up(0, at, a - table->knots[at], place), d = look_up(8, at, a - table->knots[at], place);
+            for (int j = 0; j < 3; ++j) lift[j][k] = l[j], drag[j][k] = d[j];
         }
-        const auto of = [&](const Lanes (&f)[3]) {
-            const Lanes none{};
-            return chain(angle, f[0], f[1]) + (chain(log_re, none, f[2]));
-        };
-        const auto c_l = of(lift);
-        const auto c_d = of(drag);
+        const auto c_l = chain(angle, log_re, lift[0], lift[1], lift[2]), c_d = chain(angle, log_re, drag[0], drag[1], drag[2]);
         return Coefficients<decltype(c_l + 0.0), decltype(c_d + 0.0)>{c_l, c_d};
     }
 
     double stall_angle(double reynolds, double side) const {
         const auto& at = side > 0.0 ? table->stall_up : table->stall_down;
-        if (table->log_re.size() == 1) return at[0];
-        double t;
-        bool inside;
-        const int r = among_reynolds(std::log(reynolds), t, inside);
-        return at[r] + t * (at[r + 1] - at[r]);
+        const auto place = place_of(std::log(reynolds));
+        return place.count == 1 ? at[place.row] : at[place.row] + place.fraction * (at[place.row + 1] - at[place.row]);
     }
     double stall_width() const { return table->stall_width; }
     double attached_slope() const { return table->attached_slope; }

@@ -86,22 +86,11 @@ struct Mount {
     double spin;             // 1 for counter-clockwise, -1 for clockwise
 };
 
-// Force of the air on a vehicle, and moment about its center of mass, at its `velocity` through the air [m/s] and its
-// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.  Without in-plane flow, `loads`
-// may set `flow.ahead`, the direction of the in-plane loads.
-template <class LoadsOf>
-Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, const Vector3& velocity, const Vector3& rates,
-                      LoadsOf loads) {
-    Wrench all{add(frame.body_force(velocity), 1.0, frame.wing_force(velocity)), {}};
-    for (std::size_t k = 0; k < mounts.size(); ++k) {
-        const Mount& m = mounts[k];
-        HubFlow flow = hub_flow(m.axis, add(velocity, 1.0, cross(rates, m.position)));
-        const Loads<double> of = loads(k, flow);
-        const Wrench one = hub_wrench(m.axis, m.spin, flow.ahead, of);
-        all.force = add(all.force, 1.0, one.force);
-        all.moment = add(add(all.moment, 1.0, one.moment), 1.0, cross(m.position, one.force));
-    }
-    return all;
+// Add the force of a rotor, and its moment about the center of mass; `ahead` is the direction of the in-plane velocity.
+inline void add_rotor(Wrench& all, const Mount& on, const Vector3& ahead, const Loads<double>& of) {
+    const Wrench one = hub_wrench(on.axis, on.spin, ahead, of);
+    all.force = add(all.force, 1.0, one.force);
+    all.moment = add(add(all.moment, 1.0, one.moment), 1.0, cross(on.position, one.force));
 }
 
 // Moment of the spinning rotors on the vehicle: their angular momentum turns with the vehicle and changes with their

@@ -32,8 +32,8 @@ template <class A, class B> auto speed_squared(const A& a, const B& b) {  // a^2
 
 // Share of the area from `root` to `tip` [m] in reverse flow: within the circle y = -V sin(beta) sin(psi)/Omega.
 inline double reverse_flow_share(const Flow<double>& flow, double root, double tip) {
-    if (flow.v_inplane == 0.0) return 0.0;
     const double diameter = std::min(flow.v_inplane / std::max(flow.omega, 1e-12), 1e4 * tip);
+    if (diameter <= root) return 0.0;
     const auto within = [&](double radius) {
         const double angle = std::acos(std::min(radius / std::max(diameter, 1e-12), 1.0));
         return radius * radius * angle +

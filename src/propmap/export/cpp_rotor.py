@@ -11,6 +11,7 @@ import numpy as np
 import propmap
 from propmap.export.files import Files, filled
 from propmap.model.airfoil import GROWING, GROWTHS
+from propmap.model.propeller import blade_intervals
 from propmap.rotor import Rotor, core_corrections
 
 FIELDS = {
@@ -33,10 +34,10 @@ def rotor_files(rotor: Rotor) -> Files:
     name = re.sub(r"[^0-9a-z]+", "_", blade.name.lower()).strip("_") or "rotor"
     name = name if name[0].isalpha() else f"prop_{name}"
     corrections = core_corrections(rotor.model)
-    shape = ", ".join(_list(row) for row in (blade.station, blade.chord, blade.twist))
-    made = f"propmap::make_blade({shape}, {blade.blades}, {float(blade.root)!r})"
-    if hub := corrections.pop("blade-to-hub", None):
-        made = f"propmap::continued_to({made}, {hub!r})"
+    root, tip = rotor.model.span
+    rows = blade_intervals(blade, root).tolist()
+    parts = (f"{{{start!r}, {_list(cubics[:4])}, {_list(cubics[4:])}}}" for start, *cubics in rows)
+    shape = f"{{{{{', '.join(parts)}}}, {root!r}, {tip!r}, {blade.blades}}}"
     law, statements = _law(rotor.model.airfoil.core_law())
     statements += [f"rotor.density = {air.density!r}", f"rotor.viscosity = {air.viscosity!r}"]
     if inflow := corrections.pop("inflow", None):
@@ -49,7 +50,7 @@ def rotor_files(rotor: Rotor) -> Files:
         version=propmap.__version__,
         law=law,
         name=name,
-        blade=made,
+        blade=shape,
         statements=statements,
         accuracy=rotor.accuracy,
     )
@@ -60,10 +61,13 @@ def _law(numbers: dict[str, Any]) -> tuple[str, list[str]]:
     """Return the name of the core's section law and the statements that set its constants."""
     kind = numbers.pop("kind")
     if kind == "tabulated":
-        figures = ", ".join(_list(numbers[k]) for k in ("angle", "reynolds", "lift", "drag"))
-        made = f"std::make_shared<propmap::SectionTable>(propmap::make_section_table({figures}))"
-        angle = "rotor.law.zero_lift_angle = rotor.law.table->zero_lift_angle"
-        return "TabulatedLaw", [f"rotor.law.table = {made}", angle]
+        angle = numbers.pop("zero_lift_angle")
+        parts = (f".{k} = {_list(v) if np.ndim(v) else repr(v)}" for k, v in numbers.items())
+        table = (
+            f"std::make_shared<propmap::SectionTable>(propmap::SectionTable{{{', '.join(parts)}}})"
+        )
+        zero = f"rotor.law.zero_lift_angle = {angle!r}"
+        return "TabulatedLaw", [f"rotor.law.table = {table}", zero]
     if kind != GROWING:
         numbers = {key: value for key, value in numbers.items() if key not in GROWTHS}
     given = [f"rotor.law.{key} = {float(value)!r}" for key, value in numbers.items()]
@@ -71,4 +75,4 @@ def _law(numbers: dict[str, Any]) -> tuple[str, list[str]]:
 
 
 def _list(values: Iterable[float]) -> str:
-    return f"{{{', '.join(map(repr, np.asarray(values, np.float64).tolist()))}}}"
+    return f"{{{', '.join(map(repr, np.asarray(values).tolist()))}}}"

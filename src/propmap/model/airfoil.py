@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import tomllib
@@ -17,6 +18,7 @@ from propmap import __version__
 from propmap.errors import InputError, located, refuse_other_toml
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
+from propmap.model.propeller import monotone_cubics
 from propmap.typing import ByValue, Floats
 
 LAW_SCHEMA = 1
@@ -419,11 +421,16 @@ class SectionTable(ByValue, SectionLaw):
                 raise InputError(found, "give both angles the same coefficient")
         if (self.drag < 0.0).any():
             raise InputError("a drag coefficient is negative: check the table's columns")
-        middle = self.lift[self.reynolds.size // 2]
-        near = np.abs(self.angle) < math.radians(30.0)
-        if not (middle[near].min() < 0.0 < middle[near].max()):
-            found = "the lift does not cross zero between -30 and 30 deg"
+        if not abs(self._zero_lift_angle()) < math.radians(30.0):
+            found = "the lift does not rise through zero between -30 and 30 deg"
             raise InputError(found, "give angles from the chord line, positive nose up")
+
+    def _zero_lift_angle(self) -> float:
+        """Return the angle nearest to zero at which lift rises through zero [rad]; else inf."""
+        lift, rise = self.lift[self.reynolds.size // 2], np.diff(self.angle)
+        k = np.flatnonzero((lift[:-1] <= 0.0) & (lift[1:] > 0.0))
+        zeros = self.angle[k] - lift[k] / (lift[k + 1] - lift[k]) * rise[k]
+        return float(min(zeros, key=abs, default=math.inf))
 
     @classmethod
     def from_function(
@@ -508,12 +515,8 @@ class SectionTable(ByValue, SectionLaw):
         return replace(table, sampling_error=float(whole))
 
     def core_law(self) -> dict[str, Any]:
-        """Return the law in the form that the compiled core reads: its arrays by name."""
-        figures = {
-            name: np.ascontiguousarray(getattr(self, name).ravel())
-            for name in ("angle", "reynolds", "lift", "drag")
-        }
-        return {"kind": "tabulated", **figures}
+        """Return the law in the form that the compiled core reads: numbers and arrays by name."""
+        return dict(_core_table(self))
 
     def metadata(self) -> dict[str, Any]:
         """Return name, source and Reynolds numbers, without the coefficients."""
@@ -532,6 +535,56 @@ class SectionTable(ByValue, SectionLaw):
             f"SectionTable({self.name!r}, {self.angle.size} angles, "
             f"Re {self.reynolds[0]:.3g} to {self.reynolds[-1]:.3g})"
         )
+
+
+@functools.lru_cache(maxsize=16)
+def _core_table(table: SectionTable) -> dict[str, Any]:
+    """Return a ``table`` as the numbers and arrays of ``SectionTable`` in the core."""
+    zero, log_re = table._zero_lift_angle(), np.log(table.reynolds)
+    turned = np.remainder(table.angle[:-1] - zero + math.pi, math.tau) - math.pi
+    # The angle opposite to zero lift is a knot.  Rounding must not add a second one next to it.
+    inside = np.flatnonzero(np.abs(turned) < math.pi - 1e-9)
+    inside = inside[np.argsort(turned[inside])]
+    knots = np.concatenate([[-math.pi], turned[inside], [math.pi]])
+    opposite = np.remainder(zero + math.tau, math.tau) - math.pi
+    both = np.stack([table.lift, table.drag])
+    ends = np.array([[[np.interp(opposite, table.angle, row)] for row in rows] for rows in both])
+    both = np.concatenate([ends, both[..., inside], ends], axis=-1)
+    # Derivatives with respect to ln(Re) are zero at the lowest and the highest Reynolds number.
+    by_log_re = np.zeros_like(both)
+    if log_re.size > 2:
+        slopes = monotone_cubics(log_re, np.swapaxes(both, 1, 2))[..., 1:, 1]
+        by_log_re[:, 1:-1] = np.swapaxes(slopes, 1, 2)
+    cubics = monotone_cubics(knots, np.stack([both, by_log_re], axis=1))
+    rows = np.moveaxis(cubics.reshape(4, log_re.size, -1, 4), 0, 2)
+    steps = np.linspace(-math.pi, math.pi, 4 * knots.size, endpoint=False)
+    # Stall is the first peak of lift on either side of zero lift; the largest peak may be the one
+    # near 45 deg.  Flow is attached at all Reynolds numbers up to the angle ``attached``, where
+    # lift reaches 0.9 of its value at stall.
+    after, last = int(np.searchsorted(knots, 0.0)), knots.size - 1
+    stall, attached = [], math.pi
+    for lift in both[0].tolist():
+        ups = (k for k in range(after, last) if lift[k] > max(lift[k + 1], 0.0))
+        downs = (k for k in range(after - 1, 0, -1) if lift[k] < min(lift[k - 1], 0.0))
+        up = next(ups, last)
+        stall.append(knots[[up, next(downs, 0)]])
+        k = next((k for k in range(after, up) if lift[k] >= 0.9 * lift[up]), up)
+        near = slice(k - 1 if k > after else k, k + 1)
+        attached = min(attached, np.interp(0.9 * lift[up], lift[near], knots[near]))
+    attached = max(attached, CLOSEST)
+    slope = np.mean([np.interp(attached, knots, row) for row in both[0]]) / attached
+    stall_up, stall_down = np.ascontiguousarray(np.transpose(stall))
+    return {
+        "kind": "tabulated",
+        "zero_lift_angle": zero,
+        "knots": knots,
+        "first": np.searchsorted(knots, steps, side="right") - 1,
+        "rows": rows.ravel(),
+        "log_re": log_re,
+        "stall_up": stall_up,
+        "stall_down": stall_down,
+        "attached_slope": float(slope),
+    }
 
 
 # -------------------------------------------------------------------------------------------------

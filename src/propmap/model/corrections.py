@@ -107,10 +107,9 @@ class BladeToHub(Correction):
         """Check the propeller of a ``model``, as in ``hub``."""
         self.hub(model.propeller)
 
-    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
-        """Return the radius of the hub under ``name``, if the blade of ``model`` is extended."""
-        hub = self.hub(model.propeller)
-        return {name: hub} if hub < model.propeller.root else {}
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
+        """Return nothing: the blade that the core receives is already extended."""
+        return {}
 
 
 @dataclass(frozen=True)

@@ -316,15 +316,15 @@ class LoadTable:
         return solve(self, quantity, wanted, v, b)
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
-        points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
-        *rows, code = self._core.loads(*points, clamp)
+        points = np.stack([each.ravel() for each in (omega, speed, beta)])
+        *rows, code = self._core.loads(points, clamp)
         return TableLoads(*(row.reshape(omega.shape) for row in (*rows, code.astype(np.uint8))))
 
     def _inside(self, omega: Floats, speed: Floats, beta: Floats) -> Floats:
         """Return omega, speed and beta in 0...pi (3, ...): points outside the envelope by rounding
         only are moved inside; other points outside have omega NaN."""
-        points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
-        found: Floats = self._core.bounded(*points).reshape(3, *omega.shape)
+        points = np.stack([each.ravel() for each in (omega, speed, beta)])
+        found: Floats = self._core.bounded(points).reshape(3, *omega.shape)
         return found
 
     def _by_chunks(self, gradient: Callable[..., Floats], *arrays: Floats) -> Gradient:
