@@ -25,14 +25,7 @@
 namespace nb = nanobind;
 using namespace propmap;
 
-#ifndef PROPMAP_MODULE
-#define PROPMAP_MODULE _core
-#endif
-#ifndef PROPMAP_INSTRUCTIONS
-#define PROPMAP_INSTRUCTIONS "native"
-#endif
-
-namespace {
+namespace {  // CMakeLists.txt defines PROPMAP_MODULE and PROPMAP_INSTRUCTIONS
 
 using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;

@@ -58,8 +58,7 @@ REPEATS = 3  # repetitions of each timing, of which the best is reported
 COPIES = 10  # factor of the larger batch: small batches fill blocks only partly and cost more
 
 
-# -------------------------------------------------------------------------------------------------
-# Errors, predicted minus measured, and the uncertainty of the data.
+# --- Errors, predicted minus measured, and the uncertainty of the data ---------------------------
 
 
 @dataclass(frozen=True)
@@ -137,8 +136,7 @@ def compare(
     return Comparison(data, models, found[first].status, {} if other is None else other.loads)
 
 
-# -------------------------------------------------------------------------------------------------
-# Computation and output files.
+# --- Computation and output files ----------------------------------------------------------------
 
 
 @dataclass(frozen=True)

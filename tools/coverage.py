@@ -220,8 +220,7 @@ def campaigns(data: Path) -> list[Campaign]:
     ]
 
 
-# -------------------------------------------------------------------------------------------------
-# Axial flow.
+# --- Axial flow ----------------------------------------------------------------------------------
 
 
 class HeldOut(NamedTuple):
@@ -287,8 +286,7 @@ def gain_of(runs: Sequence[HeldOut]) -> float:
     return float(found.x)
 
 
-# -------------------------------------------------------------------------------------------------
-# Growth of the static coefficients with the rotational speed.
+# --- Growth of the static coefficients with the rotational speed ---------------------------------
 
 LEAST_RANGE = 2.0  # ratio of the highest to the lowest rotational speed
 
@@ -332,8 +330,7 @@ def print_exponents(found: Sequence[Exponents]) -> None:
     print(f"  excess, median of all: C_T {excess[0]:+.3f}, C_P {excess[1]:+.3f}, {len(found)}")
 
 
-# -------------------------------------------------------------------------------------------------
-# Shares of oblique flow, estimated from the campaigns.
+# --- Shares of oblique flow, estimated from the campaigns ----------------------------------------
 
 
 def with_shares(shares: Mapping[str, float]) -> ExitStack:
@@ -438,8 +435,7 @@ def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
         yield name, published, float(bare.drag) / per, float(loads.drag) / per, half / per
 
 
-# -------------------------------------------------------------------------------------------------
-# The command.
+# --- The command ---------------------------------------------------------------------------------
 
 
 HEADER = f"  {'':<28}rows   inside 50, 80, 95 % bands   half width   score"

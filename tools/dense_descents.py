@@ -161,7 +161,7 @@ def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
     library().dense_loads(
         place[0], ctypes.c_int64(len(intervals)), *place[1:3], step, count, *place[3:]
     )
-    return at[-1]
+    return found
 
 
 OTHERS = {f"law-{k}": one for k, one in enumerate(other_rotors(100, SEED))}

@@ -38,8 +38,7 @@ class State(NamedTuple):
     omega: Floats  # rotor speeds, (k,) [rad/s]
 
 
-# -------------------------------------------------------------------------------------------------
-# Where it should be.
+# --- Where it should be --------------------------------------------------------------------------
 
 
 class Leg(NamedTuple):
@@ -100,8 +99,7 @@ MISSION = Course(
 """Hover, 12 m/s forward, brake, descend at 3 m/s, hover."""
 
 
-# -------------------------------------------------------------------------------------------------
-# What keeps it there.
+# --- What keeps it there -------------------------------------------------------------------------
 
 
 class Controller:
@@ -144,8 +142,7 @@ class Controller:
         return np.clip(np.sqrt(np.maximum(squares, 0.0)), SLOWEST, FASTEST)
 
 
-# -------------------------------------------------------------------------------------------------
-# A flight and its energies.
+# --- A flight and its energies -------------------------------------------------------------------
 
 
 class Simulator(Protocol):

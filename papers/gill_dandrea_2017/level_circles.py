@@ -207,8 +207,7 @@ def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
     return np.asarray(np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY)
 
 
-# -------------------------------------------------------------------------------------------------
-# Figure 6, its tables and CSV files.
+# --- Figure 6, its tables and CSV files ----------------------------------------------------------
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLORS[0], "white")

@@ -160,8 +160,7 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
     return SmallIncidence(name, omega, SPEEDS, inflow, drag, low, high, published, other)
 
 
-# -------------------------------------------------------------------------------------------------
-# Nondimensional rotor drag by source.
+# --- Nondimensional rotor drag by source ---------------------------------------------------------
 
 Mask = NDArray[np.bool_]
 
@@ -263,8 +262,7 @@ def _source(one: Compared, label: str, drag: Floats, thrust: Floats | None) -> S
     return Source(label, slope(slanted), slope(edgewise), by_thrust)
 
 
-# -------------------------------------------------------------------------------------------------
-# Excess of the 2019 rotor drag over the theory: a factor, or a plate in the slipstream.
+# --- Excess of the 2019 rotor drag over the theory: a factor, or a plate in the slipstream -------
 
 SLIPSTREAM = (1.0, 2.0)
 """Inflow at the plate over that of the disk [-], for a plate at the disk and far behind it."""
@@ -377,8 +375,7 @@ def compute(one: Compared) -> RotorDrag:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Figure, tables and CSV files.
+# --- Figure, tables and CSV files ----------------------------------------------------------------
 
 LIGHT: dict[str, Any] = {"color": COLORS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}

@@ -45,8 +45,7 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# Section constants of the APC 8x6E, identified from the public tunnel data.
+# --- Section constants of the APC 8x6E, identified from the public tunnel data -------------------
 
 AXIAL, OBLIQUE, OTHER_FORM = "uiuc-8x6e", "gill-dandrea-2019-8x6e", "gill-dandrea-2019-8x6e-fit"
 """UIUC's rows; the polynomials of the 2019 campaign, each fitted to the measurements of one load;
@@ -97,8 +96,7 @@ def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
     return Identified(label, data, fitted, law.with_parameters(name=label, source=data))
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads measured and computed.
+# --- Loads measured and computed -----------------------------------------------------------------
 
 MULTIROTOR = "davoudi-8x4.5mr-thrust"
 DATA_SETS = {
@@ -226,8 +224,7 @@ def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> Lo
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Lines through the points.
+# --- Lines through the points --------------------------------------------------------------------
 
 AXIAL_OMEGA = 5000.0 * RPM  # of the axial lines; other speeds change them by at most 1 % (Re)
 OBLIQUE_OMEGA = 6579.0 * RPM  # the rotational speed with most points of the 2019 campaign
@@ -341,8 +338,7 @@ def compute() -> Tunnel:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Figure 7, the figure on camber, tables and CSV files.
+# --- Figure 7, the figure on camber, tables and CSV files ----------------------------------------
 
 SYMBOLS = {"thrust": "C_T", "power": "C_P"}
 

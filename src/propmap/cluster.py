@@ -123,8 +123,7 @@ def _remote(address: str) -> Iterator[DaskWorkers]:
         yield DaskWorkers(client)
 
 
-# -------------------------------------------------------------------------------------------------
-# The workers of a Dask cluster: tasks are sent on demand, results arrive in any order.
+# --- The workers of a Dask cluster: tasks are sent on demand, results arrive in any order --------
 
 AHEAD = 3  # queued tasks per thread of the workers, so that no thread waits for the client
 RECOUNT = 2.0  # interval at which the workers are counted, since workers join and leave [s]
@@ -260,8 +259,7 @@ def dask_setup(worker: object) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-# -------------------------------------------------------------------------------------------------
-# Check that client, scheduler and workers have the same versions.
+# --- Check that client, scheduler and workers have the same versions -----------------------------
 
 SAME = ("propmap", "numpy", "python", "distributed")  # packages whose versions must agree
 

@@ -176,7 +176,7 @@ def test_height_above_ground_is_an_option_and_a_column(
 
 
 def test_the_way_to_the_core_leads_through_few_files(run: Run) -> None:
-    """The call uses functions of at most 25 files, see docs/architecture.md."""
+    """The call uses functions of at most 26 files, see docs/architecture.md."""
     assert run("predict", "apc-8x6e", *POINT).code == 0  # imports are no part of the way
     root, files = Path(propmap.__file__).parent, set()
 
@@ -192,4 +192,4 @@ def test_the_way_to_the_core_leads_through_few_files(run: Run) -> None:
         sys.setprofile(before)
     way = {Path(name).relative_to(root).as_posix() for name in files if root in Path(name).parents}
     assert {"cli/app.py", "cli/predict.py", "rotor.py", "operating_points.py"} <= way
-    assert len(way) <= 25, sorted(way)
+    assert len(way) <= 26, sorted(way)

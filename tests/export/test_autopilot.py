@@ -324,8 +324,7 @@ def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
         autopilot_parameters(craft, "betaflight")
 
 
-# -------------------------------------------------------------------------------------------------
-# PX4's propeller with an advance ratio: airplanes, tailsitters, pushers.
+# --- PX4's propeller with an advance ratio: airplanes, tailsitters, pushers ----------------------
 
 PUSHER = in_px4_order(
     mounts=(Mount((-0.3, 0.0, 0.0), (1.0, 0.0, 0.0), "cw"),),

@@ -168,8 +168,7 @@ def test_two_propellers_go_into_one_program_in_c_and_in_cpp(
     subprocess.run(command, cwd=tmp_path, check=True)
 
 
-# -------------------------------------------------------------------------------------------------
-# The wrench on the hub, and its inflow.
+# --- The wrench on the hub, and its inflow -------------------------------------------------------
 
 WRENCHES = """
 #include "{name}.h"

@@ -106,8 +106,7 @@ def test_maps_without_climb_or_axial_flight_are_refused(tmp_path: Path) -> None:
         export_table(table, "jsbsim", tmp_path)
 
 
-# -------------------------------------------------------------------------------------------------
-# JSBSim on a stand.
+# --- JSBSim on a stand ---------------------------------------------------------------------------
 
 NEWTONS_PER_POUND = 4.4482216152605
 METERS_PER_FOOT = 0.3048
@@ -195,8 +194,7 @@ def test_descent_ends_where_the_map_does() -> None:
     assert coefficients(LoadTable(climbing))[0][0] == 0.0
 
 
-# -------------------------------------------------------------------------------------------------
-# The wrench on the hub, for both spins.
+# --- The wrench on the hub, for both spins -------------------------------------------------------
 
 
 @pytest.mark.parametrize("spin", SPINS)

@@ -142,8 +142,7 @@ def test_derivatives_are_finite_in_single_precision() -> None:
     assert all(np.isfinite(slope).all() and np.abs(slope).min() > 0.0 for slope in slopes)
 
 
-# -------------------------------------------------------------------------------------------------
-# On a body of MJX.
+# --- On a body of MJX ----------------------------------------------------------------------------
 
 MJCF = """<mujoco><option timestep="0.002" gravity="0 0 -9.81"/><worldbody>
 <body name="quad" pos="0 0 1"><freejoint/>

@@ -337,8 +337,7 @@ def test_angular_momentum_of_vehicle_and_rotors_is_kept(
     np.testing.assert_allclose(momentum(), before, rtol=0.0, atol=atol)
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads that are not there, and what is no flight of this model.
+# --- Loads that are not there, and what is no flight of this model -------------------------------
 
 
 @pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
@@ -545,8 +544,7 @@ def test_what_is_no_model_vehicle_or_loads_is_named() -> None:
         sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.catalogue_model("apc-8x6e")))
 
 
-# -------------------------------------------------------------------------------------------------
-# Rotors for models in other layouts.
+# --- Rotors for models in other layouts ----------------------------------------------------------
 
 PLACES = ((-0.14, -0.18, "ccw"), (-0.14, 0.18, "cw"), (0.14, 0.18, "ccw"), (0.14, -0.18, "cw"))
 ABOVE = 0.06 - (4 * 0.15 * 0.06) / 1.35  # of the hubs over the center of mass
@@ -680,8 +678,7 @@ def test_attach_refuses_and_changes_nothing(text: str, given: dict[str, Any], me
     assert spec.to_xml() == before
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap export --to mujoco``.
+# --- ``propmap export --to mujoco`` --------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -97,8 +97,7 @@ def test_pickles_are_not_read(tmp_path: Path) -> None:
     _refusal(path)
 
 
-# -------------------------------------------------------------------------------------------------
-# Forged tables: wrong contents with a valid checksum.
+# --- Forged tables: wrong contents with a valid checksum -----------------------------------------
 
 CERTIFICATE: dict[str, Any] = {
     field.name: dict.fromkeys(LOADS, 0.001) if str(field.type).startswith("dict") else 1

@@ -251,8 +251,7 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
 template <class R>
 void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
-    // Divide the angles of attack without inflow by the stall angles of both signs.  The blade is assumed to stall at the
-    // sign with the largest ratio.
+    // The blade is assumed to stall at the sign for which the angle of attack without inflow is the largest share of stall.
     double positive = 0.0, negative = 0.0;
     for (const auto& at : disk.at) {
         const Lanes angle = angle_at(at, of.flow.omega * at.radius, broadcast(of.flow.v_axial));

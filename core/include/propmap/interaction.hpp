@@ -8,13 +8,13 @@
 
 namespace propmap {
 
-// Upper limit of the inflow over the hover inflow at the same thrust [-]: about the measured value in the vortex ring
+// Upper limit of the inflow, divided by the hover inflow at the same thrust [-]: about the measured value in the vortex ring
 // state, where momentum theory has no solution.
 inline constexpr double largest_inflow = 2.0;
-// Upwash per density of circulation above which the upwash gain applies in full [-]; below it, the gain changes
+// Upwash per circulation per length above which the upwash gain applies in full [-]; below it, the gain changes
 // smoothly to the gain of the downwash.
 inline constexpr double full_upwash = 0.005;
-// Upper limit of the upwash per density of circulation, including the gain [-].  At this limit the upwash equals the
+// Upper limit of the upwash per circulation per length, including the gain [-].  At this limit the upwash equals the
 // inflow of the source rotor: the largest velocity outside a cylinder, which occurs at its surface.
 inline constexpr double largest_upwash = 0.5;
 inline constexpr double slow_flow = 0.5;  // in-plane velocity [m/s] above which the gains ahead and beside differ clearly

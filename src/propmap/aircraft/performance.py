@@ -240,8 +240,7 @@ def _lowest(x: Floats, y: Floats) -> float:
     return float(np.clip(0.5 * (a + b) - 0.5 * first / second, a, c)) if second > 0.0 else float(b)
 
 
-# -------------------------------------------------------------------------------------------------
-# The top speed of an aircraft, and its limit.
+# --- The top speed of an aircraft, and its limit -------------------------------------------------
 
 BEYOND = 1.3  # ratio of successive speeds of the search above the requested speeds
 
@@ -330,8 +329,7 @@ def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
     return float(states.speed[last]), float(states.speed[last + 1]), str(states.status[last + 1])
 
 
-# -------------------------------------------------------------------------------------------------
-# Steady states in the units of files and pictures: m/s, degrees, rpm, N, W, A, V.
+# --- Steady states in the units of files and pictures: m/s, degrees, rpm, N, W, A, V -------------
 
 
 class StateColumn(NamedTuple):

@@ -279,8 +279,7 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
     return f"the rotors overlap: hub distance {closest:.3g} m, disk diameter {2.0 * radius:.3g} m"
 
 
-# -------------------------------------------------------------------------------------------------
-# Uncertainty of a ranking, and Pareto front of hover power and top speed.
+# --- Uncertainty of a ranking, and Pareto front of hover power and top speed ---------------------
 
 
 def beats(better: Judged, worse: Judged) -> float:
@@ -319,8 +318,7 @@ def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
     return front[np.argsort(power[front], kind="stable")]
 
 
-# -------------------------------------------------------------------------------------------------
-# Candidates: propellers with the constants of their sections.
+# --- Candidates: propellers with the constants of their sections ---------------------------------
 
 
 @dataclass(frozen=True, eq=False)

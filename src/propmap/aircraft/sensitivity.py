@@ -366,8 +366,7 @@ class Responses:
         return StateChange(pitch, roll, omega, np.sum(torque * omega, axis=1), power, used)
 
 
-# -------------------------------------------------------------------------------------------------
-# Changes of the loads by a parameter or by an error, as sources of loads.
+# --- Changes of the loads by a parameter or by an error, as sources of loads ---------------------
 
 
 class LoadChange:

@@ -294,8 +294,7 @@ class Aircraft:
         return np.where(s0 <= 1.0, found, math.nan)
 
 
-# -------------------------------------------------------------------------------------------------
-# Forces and moments on a vehicle in steady flight, and the attitude that balances them.
+# --- Forces and moments on a vehicle in steady flight, and the attitude that balances them -------
 
 CHANGE = 1e-4  # step of difference quotients: angles [rad], logarithm of rotor speed [-]
 LONGEST_TURN = 0.25  # largest step of pitch and of roll [rad]
@@ -488,8 +487,7 @@ class SteadyBalance:
         return Balanced(pitch, roll, omega, velocity, hubs, wrenches, moment, residual)
 
 
-# -------------------------------------------------------------------------------------------------
-# Newton's method for many small systems of equations at once.
+# --- Newton's method for many small systems of equations at once ---------------------------------
 
 ITERATIONS = 40
 
@@ -586,8 +584,7 @@ def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
     return inverse + np.divide(update, size, out=np.zeros_like(update), where=size != 0.0)
 
 
-# -------------------------------------------------------------------------------------------------
-# Flight on a wing: initial values of a search, and the stall speed.
+# --- Flight on a wing: initial values of a search, and the stall speed ---------------------------
 
 ATTACHED = 0.6  # largest angle of attack of the initial values, divided by ``alpha_0``
 ADVANCE = 0.2  # airspeed of the initial values, divided by the tip speed
@@ -618,8 +615,7 @@ def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
     return vehicle.mass * GRAVITY / np.cos(flight.bank)
 
 
-# -------------------------------------------------------------------------------------------------
-# Steady states of an aircraft, and their statuses.
+# --- Steady states of an aircraft, and their statuses --------------------------------------------
 
 LIMITS = {
     "rpm_limit": "the largest rotor speed",

@@ -183,8 +183,7 @@ def without_size(text: str) -> InputError:
     return InputError(found, "give diameter x pitch and the unit, as in 31x20mm 4-blade or 12x6in")
 
 
-# -------------------------------------------------------------------------------------------------
-# Readings of a size.  The table ``[prior]`` of makers.toml contains their probabilities.
+# --- Readings of a size.  The table ``[prior]`` of makers.toml contains their probabilities ------
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": INCH}  # [m]
 PRIOR: dict[str, Any] = _KNOWN["prior"]

@@ -241,8 +241,7 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
     return PopulationPrior.of(place, covariance)
 
 
-# -------------------------------------------------------------------------------------------------
-# Predicted section constants of a propeller, from its family or from all propellers.
+# --- Predicted section constants of a propeller, from its family or from all propellers ----------
 
 
 class ExpectedConstants(NamedTuple):
@@ -553,8 +552,7 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
     return np.log(ratio) * _FORCES - turned * _ANGLES
 
 
-# -------------------------------------------------------------------------------------------------
-# Prior of the section constants of a propeller.
+# --- Prior of the section constants of a propeller -----------------------------------------------
 
 LOGARITHMIC = np.array([CONSTANTS[name].population == "log" for name in PARAMETERS])
 """Whether the coordinate is the logarithm of the constant (P,)."""

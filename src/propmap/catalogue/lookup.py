@@ -205,8 +205,7 @@ def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
         return True
 
 
-# -------------------------------------------------------------------------------------------------
-# Catalogue predictions: the model of a propeller with the best known constants.
+# --- Catalogue predictions: the model of a propeller with the best known constants ---------------
 
 
 def catalogue_model(
@@ -279,8 +278,7 @@ def geometry_of(meant: expected.Meant, blade: Propeller) -> str:
     return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry
 
 
-# -------------------------------------------------------------------------------------------------
-# Bundled measurements of loads, one TOML file each in ``measurements/``.
+# --- Bundled measurements of loads, one TOML file each in ``measurements/`` ----------------------
 
 SUFFIX = ".toml"
 _FOLDER = Path(__file__).parent / "measurements"

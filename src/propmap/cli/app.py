@@ -144,8 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code or 0
 
 
-# -------------------------------------------------------------------------------------------------
-# Answers to options and commands under the names that other tools and textbooks use.
+# --- Answers to options and commands under the names that other tools and textbooks use ----------
 
 ANSWERS = Path(__file__).with_name("answers.toml")
 

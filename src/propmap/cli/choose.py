@@ -162,8 +162,7 @@ def _judged(
     return [*closer, *found[len(closer) :]]
 
 
-# -------------------------------------------------------------------------------------------------
-# Output of a ranking: table, remarks and rows for files.
+# --- Output of a ranking: table, remarks and rows for files --------------------------------------
 
 
 def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> out.WideGrid:

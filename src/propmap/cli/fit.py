@@ -54,8 +54,7 @@ fit_app = typer.Typer(
 )
 
 
-# -------------------------------------------------------------------------------------------------
-# Options of all fits.
+# --- Options of all fits -------------------------------------------------------------------------
 
 PriorFrom = Annotated[
     str | None,
@@ -243,8 +242,7 @@ def check_outputs(output: Path | None, *pictures: Path | None) -> None:
     out.check_pictures(*pictures)
 
 
-# -------------------------------------------------------------------------------------------------
-# Output of ``propmap fit``: parameters with their verdicts, residuals, remarks.
+# --- Output of ``propmap fit``: parameters with their verdicts, residuals, remarks ---------------
 
 
 def finish(

@@ -43,8 +43,7 @@ from propmap.vehicle.log_readers import read_csv_log, read_recording
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Logs for fits and checks, as samples of whole flights or as steady operating points.
+# --- Logs for fits and checks, as samples of whole flights or as steady operating points ---------
 
 ENOUGH_SEGMENTS = 4
 FROM_THROTTLE = (
@@ -200,8 +199,7 @@ def all_level_tables(paths: Sequence[Path]) -> bool:
     return all(steady.is_level_table(path) for path in paths)
 
 
-# -------------------------------------------------------------------------------------------------
-# Free parameters of flight fits, and their priors.
+# --- Free parameters of flight fits, and their priors --------------------------------------------
 
 LowPass = Annotated[
     float | None,
@@ -295,8 +293,7 @@ def with_flight_priors(
     return replace(choice, priors={**more, **choice.priors}, start={**start, **choice.start})
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit flight``: section constants from flight logs of a vehicle.
+# --- ``propmap fit flight``: section constants from flight logs of a vehicle ---------------------
 
 # With FEW samples or more, all starts use only one in EVERY samples of whole flights; the fit to
 # all samples then starts from the best result.
@@ -453,8 +450,7 @@ def fit_flight(
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit terms``: a web page on the benefit of each term of a flight fit.
+# --- ``propmap fit terms``: a web page on the benefit of each term of a flight fit ---------------
 
 ALMOST_NONE = 1e-9  # area of a mount without drag [m^2]
 STALL = ("c_l1", "c_d", "alpha_0")  # of the paper; level flights do not determine c_l2

@@ -47,8 +47,7 @@ if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
 
 
-# -------------------------------------------------------------------------------------------------
-# PROP and the options that define the rotor.
+# --- PROP and the options that define the rotor --------------------------------------------------
 
 SAME_BLADE = 0.02  # relative difference in radius and chord below which two blades are the same
 Law = TypeVar("Law", bound=SectionLaw)
@@ -298,8 +297,7 @@ def takes_choices(command: Callable[..., None], **changed: Any) -> Callable[...,
     return run
 
 
-# -------------------------------------------------------------------------------------------------
-# VEHICLE and the options that define the loads of its rotors.
+# --- VEHICLE and the options that define the loads of its rotors ---------------------------------
 
 VehicleArgument = Annotated[
     Path, Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
@@ -372,8 +370,7 @@ def checked_rpm(maximum: float | None) -> float:
     return maximum * RPM
 
 
-# -------------------------------------------------------------------------------------------------
-# Operating points, and the standard deviations of their loads.
+# --- Operating points, and the standard deviations of their loads --------------------------------
 
 
 def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
@@ -492,8 +489,7 @@ def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats
         note(f"the bands were not compared with measurements {' and '.join(places)}")
 
 
-# -------------------------------------------------------------------------------------------------
-# The command line as typed, and the workers of ``--cluster``.
+# --- The command line as typed, and the workers of ``--cluster`` ---------------------------------
 
 
 def command_line(context: typer.Context) -> str:

@@ -32,8 +32,7 @@ from propmap.sweep.run import (
     begun,
 )
 
-# -------------------------------------------------------------------------------------------------
-# Runs into a Zarr store, new or resumed; the command prints size and time first.
+# --- Runs into a Zarr store, new or resumed; the command prints size and time first --------------
 
 ASK_ABOVE_BYTES = 1e9
 ASK_ABOVE_SECONDS = 3600.0  # larger or longer runs need a confirmation or ``--yes``
@@ -116,8 +115,7 @@ def time_text(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap sweep``: loads on a grid of operating points, to NetCDF, CSV or Zarr.
+# --- ``propmap sweep``: loads on a grid of operating points, to NetCDF, CSV or Zarr --------------
 
 CHUNK = 4096  # operating points per task in memory: some tenths of a second
 MOST_POINTS = 10_000_000  # of a grid that is computed in memory
@@ -191,8 +189,7 @@ def sweep(
     echo(f"wrote {output}: {count} points{remark}")
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap study``: many designs derived from a propeller, at many operating points.
+# --- ``propmap study``: many designs derived from a propeller, at many operating points ----------
 
 MOST_IN_MEMORY = 5_000_000  # operating points of a study that goes into a NetCDF file
 

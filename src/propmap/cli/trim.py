@@ -157,8 +157,7 @@ def trim(
         out.save_picture(power_curves(_title(craft), flown, still, found, sure), picture)
 
 
-# -------------------------------------------------------------------------------------------------
-# Output of steady states: tables, lines, and notes on implausible values.
+# --- Output of steady states: tables, lines, and notes on implausible values ---------------------
 
 # Columns that a narrow terminal hides, in this order.
 SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "range [km]", "roll [deg]", "rpm")
@@ -376,8 +375,7 @@ def _dataset(
     return found
 
 
-# -------------------------------------------------------------------------------------------------
-# Output of a mission: energy and state of charge, by leg and over time.
+# --- Output of a mission: energy and state of charge, by leg and over time -----------------------
 
 
 def _fly(

@@ -291,8 +291,7 @@ def _mapping(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-# -------------------------------------------------------------------------------------------------
-# The server: address, access control, start and end.
+# --- The server: address, access control, start and end ------------------------------------------
 
 LARGEST_REQUEST = 8_000_000  # bytes: base64 encoding makes an upload of 5 MB a third larger
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
@@ -406,8 +405,7 @@ def _open_browser(address: str, say: Callable[[str], None]) -> None:
         say("There is no display or no browser: open the address above in a browser.")
 
 
-# -------------------------------------------------------------------------------------------------
-# Background fits, each under a name that only its tab knows.
+# --- Background fits, each under a name that only its tab knows ----------------------------------
 
 MOST = 50  # maximum number of stored jobs
 

@@ -97,8 +97,7 @@ def _part(look: str, *parts: Any, of: Any = html.Div, **more: Any) -> Any:
     return of(list(parts), className=look, **more)
 
 
-# -------------------------------------------------------------------------------------------------
-# Controls: propeller, constants and files; fields, sliders and choices.
+# --- Controls: propeller, constants and files; fields, sliders and choices -----------------------
 
 
 def _subject(session: Session | None) -> Any:
@@ -187,8 +186,7 @@ def _setting(control: Control, value: Any) -> Any:
     return _part("field", html.Legend(control.label), choice, of=html.Fieldset)
 
 
-# -------------------------------------------------------------------------------------------------
-# Answers: figures, tables, remarks, and commands for the same numbers.
+# --- Answers: figures, tables, remarks, and commands for the same numbers ------------------------
 
 
 def _place(graph: Graph, answer: Answer) -> Any:

@@ -198,8 +198,7 @@ def _blade(session: Session) -> Propeller:
     return propeller(session.prop) if vehicle is None else vehicle.propeller
 
 
-# -------------------------------------------------------------------------------------------------
-# Files of the sessions: their kinds, reading and storage.
+# --- Files of the sessions: their kinds, reading and storage -------------------------------------
 
 Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
@@ -339,8 +338,7 @@ class Shelf:
         return given
 
 
-# -------------------------------------------------------------------------------------------------
-# Rotors and hover models, which the views share.
+# --- Rotors and hover models, which the views share ----------------------------------------------
 
 KEPT = 32  # number of models in the cache
 
@@ -362,8 +360,7 @@ def fastest(model: Model) -> float:
     return float(np.ceil(200.0 / model.propeller.radius / RPM / 500.0)) * 500.0 * RPM
 
 
-# -------------------------------------------------------------------------------------------------
-# Command lines and Python code that compute the numbers of the page.
+# --- Command lines and Python code that compute the numbers of the page --------------------------
 
 BLADE_FILE, CONSTANTS_FILE = "blade.toml", "constants.toml"
 POINT = ("rpm", "speed", "beta")  # controls of the operating point

@@ -113,8 +113,7 @@ class View:
         """Register the callbacks of the elements in ``more``."""
 
 
-# -------------------------------------------------------------------------------------------------
-# Controls of a view; their values are also parameters of the address.
+# --- Controls of a view; their values are also parameters of the address -------------------------
 
 Values = dict[str, Any]  # values of the controls by name
 
@@ -226,8 +225,7 @@ def data_choice(session: Session) -> OneOf:
     return OneOf("data", "Measured loads", options, names[0] if names else "none")
 
 
-# -------------------------------------------------------------------------------------------------
-# Figures as plain data for Plotly, with the colors, labels and units of the reports.
+# --- Figures as plain data for Plotly, with the colors, labels and units of the reports ----------
 
 GRAY = "#777777"
 CURVE = 31  # number of points of a curve
@@ -361,8 +359,7 @@ def digits(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
-# -------------------------------------------------------------------------------------------------
-# The operating point, which the views share.
+# --- The operating point, which the views share --------------------------------------------------
 
 
 def point_controls(session: Session) -> list[Slider]:

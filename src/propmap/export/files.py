@@ -61,8 +61,7 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
     return paths
 
 
-# -------------------------------------------------------------------------------------------------
-# Text from the templates in ``templates/``: source code, comments and notes.
+# --- Text from the templates in ``templates/``: source code, comments and notes ------------------
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
@@ -109,8 +108,7 @@ def _xml_comment(lines: Sequence[str]) -> str:
     return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
 
 
-# -------------------------------------------------------------------------------------------------
-# File names, and the provenance of an export as lines for notes and comments.
+# --- File names, and the provenance of an export as lines for notes and comments -----------------
 
 
 def identifier(table: LoadTable) -> str:
@@ -190,8 +188,7 @@ def rests_on(vehicle: Vehicle, table: LoadTable) -> str:
     return f"{lines[0][:1].upper()}{lines[0][1:]}; {lines[1]}.{more}"
 
 
-# -------------------------------------------------------------------------------------------------
-# Points in a table's envelope, and the errors of a simpler model at these points.
+# --- Points in a table's envelope, and the errors of a simpler model at these points -------------
 
 
 CLIMB = (-0.05, 0.2)

@@ -135,8 +135,7 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Parameters of PX4's control allocation: positions, axes, thrust and torque of the rotors.
+# --- Parameters of PX4's control allocation: positions, axes, thrust and torque of the rotors ----
 
 MOST_ROTORS, LARGEST_THRUST = 12, 100.0  # limits of control allocation: rotors, CA_ROTORn_CT [N]
 ALLOCATOR = "PX4-Autopilot src/modules/control_allocator"

@@ -27,8 +27,7 @@ from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
 
-# -------------------------------------------------------------------------------------------------
-# Targets ``rotorpy``, rotor parameters or a whole vehicle for RotorPy, and ``mujoco``.
+# --- Targets ``rotorpy``, rotor parameters or a whole vehicle for RotorPy, and ``mujoco`` --------
 
 
 class RotorPyRotor(NamedTuple):
@@ -319,8 +318,7 @@ def _terms(name: str, at: files.Samples) -> Floats:
     return np.stack([at.omega**2, at.omega * at.axial, at.axial**2, at.inplane**2], axis=-1)
 
 
-# -------------------------------------------------------------------------------------------------
-# Targets ``npz``, ``nc`` and ``csv``: the table in other file formats.
+# --- Targets ``npz``, ``nc`` and ``csv``: the table in other file formats ------------------------
 
 
 def npz_files(table: LoadTable) -> files.Files:

@@ -352,8 +352,7 @@ def _one_cause_each(deviations: Floats) -> Floats:
     return np.eye(len(USED))[:, :, None] * deviations
 
 
-# -------------------------------------------------------------------------------------------------
-# A vehicle's rotors at rest, with the errors of their loads.
+# --- A vehicle's rotors at rest, with the errors of their loads ----------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -488,8 +487,7 @@ def mean_loads(aircraft: Aircraft, omega: Floats, speed: ArrayLike) -> Floats:
     return total
 
 
-# -------------------------------------------------------------------------------------------------
-# The factor with which an autopilot describes a thrust curve, and its standard deviation.
+# --- The factor with which an autopilot describes a thrust curve, and its standard deviation -----
 
 DISCHARGED = 0.3  # second state of charge for which the factor is stated
 

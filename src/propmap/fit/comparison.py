@@ -346,8 +346,7 @@ def compared(
     return SpeedErrors(errors(model, measured, hover), by_speed, by_envelope)
 
 
-# -------------------------------------------------------------------------------------------------
-# Relative uncertainty of thrust and torque in forward flight, before and after a fit.
+# --- Relative uncertainty of thrust and torque in forward flight, before and after a fit ---------
 
 ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)  # J = V / (n D) of the evaluated points [-]
 BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])  # angle beta of these points [rad]
@@ -427,8 +426,7 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
     return [f"unusual constants: {'; '.join(far)}; check {causes}"]
 
 
-# -------------------------------------------------------------------------------------------------
-# Effect of one more free parameter on a fit: wrong assumptions, terms of the body.
+# --- Effect of one more free parameter on a fit: wrong assumptions, terms of the body ------------
 
 REMARKABLE = 0.7  # ratio of residuals without to with an assumption below which a remark is made
 POOR = 0.03  # relative residual above which assumptions are checked
@@ -503,8 +501,7 @@ def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
     return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
 
 
-# -------------------------------------------------------------------------------------------------
-# Trends: dependence of the residuals of a flight fit on variables of the flight.
+# --- Trends: dependence of the residuals of a flight fit on variables of the flight --------------
 
 LEAST_SHARE = 0.05  # least share of the residuals' variance for a sentence on a variable
 CERTAIN = 3.0  # least ratio of a significant slope to its block-wise standard error
@@ -606,8 +603,7 @@ def _slope(
     return slope, float(np.sqrt(scores @ scores)) / size, slope**2 * size / spread
 
 
-# -------------------------------------------------------------------------------------------------
-# Effect of each term of a whole-flight fit on the errors for held-out flights.
+# --- Effect of each term of a whole-flight fit on the errors for held-out flights ----------------
 
 SURE = 2.0  # least change of the mean square error for a verdict, in standard errors
 

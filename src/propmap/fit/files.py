@@ -249,8 +249,7 @@ def _load(
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# The table ``[fit]`` of a fit file; the same classes write and read it.
+# --- The table ``[fit]`` of a fit file; the same classes write and read it -----------------------
 
 BY_NAME = ("parameters", "residuals")  # tables by name in the file, lists in a record
 

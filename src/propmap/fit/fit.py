@@ -259,8 +259,7 @@ def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
     return refit(rows.left(drawn > 0))
 
 
-# -------------------------------------------------------------------------------------------------
-# Operating points that the data of a fit cover, and warnings about narrow ranges.
+# --- Operating points that the data of a fit cover, and warnings about narrow ranges -------------
 
 STANDSTILL = 0.1  # speed [m/s] below which the angle beta is meaningless
 BAND = 15.0  # width of the bands of the angle beta [deg]; the center of the first band is 0

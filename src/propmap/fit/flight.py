@@ -198,8 +198,7 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))
 
 
-# -------------------------------------------------------------------------------------------------
-# Forces and moments on a flying vehicle at the samples of a log, and their derivatives.
+# --- Forces and moments on a flying vehicle at the samples of a log, and their derivatives -------
 
 LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "reynolds_lift", "untwist")
 """Parameters that change the attached lift, and therefore the wakes of the rotors."""
@@ -421,8 +420,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
     return six_loads(flow, np.stack([known[name] for name in LOADS]))
 
 
-# -------------------------------------------------------------------------------------------------
-# Forces of the body and the wing on the vehicle: section III.A and footnote 4.
+# --- Forces of the body and the wing on the vehicle: section III.A and footnote 4 ----------------
 
 STEPS = dict.fromkeys(BODY, 1e-3) | {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
 """Steps of central differences; the forces are linear in all parameters except the last."""
@@ -522,8 +520,7 @@ def sensor_force(
     return force, slopes
 
 
-# -------------------------------------------------------------------------------------------------
-# Parameters of the effects of rotor wakes on other rotors.
+# --- Parameters of the effects of rotor wakes on other rotors ------------------------------------
 
 PREFIX = "wake_"
 
@@ -648,8 +645,7 @@ class HoverScale:
         return float(np.mean(each)) if each else None
 
 
-# -------------------------------------------------------------------------------------------------
-# Parameters with one value per flight of a log: thrust scale, clock offset and trim.
+# --- Parameters with one value per flight of a log: thrust scale, clock offset and trim ----------
 
 
 def of_each(name: str, log: FlightLog) -> tuple[str, ...]:

@@ -364,8 +364,7 @@ class Rows:
         return replace(self, **columns, group=group, model=model, part=None)
 
 
-# -------------------------------------------------------------------------------------------------
-# Statistics of model minus measurement, over all rows and by speed.
+# --- Statistics of model minus measurement, over all rows and by speed ---------------------------
 
 BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)  # edges of the bands of speed [m/s]
 

@@ -233,8 +233,7 @@ def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))
 
 
-# -------------------------------------------------------------------------------------------------
-# DATA arguments of tunnel fits and checks: CSV files, UIUC files, catalogue names.
+# --- DATA arguments of tunnel fits and checks: CSV files, UIUC files, catalogue names ------------
 
 
 def sources(data: Sequence[str]) -> list[Path | str]:

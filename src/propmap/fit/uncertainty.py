@@ -260,8 +260,7 @@ def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
     return f"{text}; standard deviation {left:.2f} times that of the prior", good
 
 
-# -------------------------------------------------------------------------------------------------
-# Confidence intervals of parameters with bounds.
+# --- Confidence intervals of parameters with bounds ----------------------------------------------
 
 
 class Quadratic(NamedTuple):
@@ -316,8 +315,7 @@ def bounded_intervals(
     return ends[0], ends[1]
 
 
-# -------------------------------------------------------------------------------------------------
-# Errors of parameters from residuals that are correlated within segments of the data.
+# --- Errors of parameters from residuals that are correlated within segments of the data ---------
 
 MOST_ALONE = 0.9  # largest share of a segment in the information on a direction of the parameters
 

@@ -151,8 +151,7 @@ def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, 
     return (cause, f'write rotor_unit = "erpm" and pole_pairs ({pairs}?)') if pairs else ("", "")
 
 
-# -------------------------------------------------------------------------------------------------
-# Order of the rotors in the log, and whether all flights are of one vehicle.
+# --- Order of the rotors in the log, and whether all flights are of one vehicle ------------------
 
 BAND = (1.0, 6.0)
 """Frequencies [Hz] at which moments of the rotors turn the vehicle.  At lower frequencies, other

@@ -27,8 +27,7 @@ from propmap.vehicle.files import STATED, LogMap
 from propmap.vehicle.log import FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Logs of operating points flown one after the other, with sensor noise.
+# --- Logs of operating points flown one after the other, with sensor noise -----------------------
 
 HARDEST = 2.0  # largest acceleration from one speed to the next [m/s^2]
 SHORTEST = 0.5  # least duration of a change of speed [s]
@@ -160,8 +159,7 @@ def log_csv(log: FlightLog) -> str:
     return text.getvalue()
 
 
-# -------------------------------------------------------------------------------------------------
-# Steady level circles of a vehicle with a known section law: the experiment of the paper.
+# --- Steady level circles of a vehicle with a known section law: the experiment of the paper -----
 
 PAPER_RADIUS = 1.7  # length of the tether [m]
 CHANGE = 1e-5  # step of difference quotients; the error of the forces is about 1e-12
@@ -300,8 +298,7 @@ class _Problem:
         return step
 
 
-# -------------------------------------------------------------------------------------------------
-# Expected uncertainty of the parameters from a planned flight.
+# --- Expected uncertainty of the parameters from a planned flight --------------------------------
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ from propmap.units import RPM
 from propmap.vehicle.log import LONGEST_GAP, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Steady segments of a flight, and the operating points from these segments.
+# --- Steady segments of a flight, and the operating points from these segments -------------------
 
 MOVING = 1.0  # speed above which a vehicle is certainly not on the ground [m/s]
 IDLE = 0.3  # share of the usual thrust below which the rotors do not carry the vehicle
@@ -188,8 +187,7 @@ def _none_steady(
     return InputError(f"{found}, {verb} by {worst} = {limits[worst]:g}", remedy, log.source)
 
 
-# -------------------------------------------------------------------------------------------------
-# Tables of steady operating points: CSV with speed, attitude and rpm.
+# --- Tables of steady operating points: CSV with speed, attitude and rpm -------------------------
 
 REQUIRED = ("speed_mps", "pitch_deg")
 OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")

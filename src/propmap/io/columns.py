@@ -14,8 +14,7 @@ from propmap.errors import InputError, quoted
 from propmap.loads import LOADS
 from propmap.units import DEGREE, FOOT, GRAVITY, HORSEPOWER, INCH, KMH, KNOT, MPH, POUND, RPM
 
-# -------------------------------------------------------------------------------------------------
-# Spellings of units, in lower case and without separators.
+# --- Spellings of units, in lower case and without separators ------------------------------------
 
 
 def _units(factors: Mapping[str, float]) -> dict[str, float]:
@@ -89,8 +88,7 @@ SIDE = re.compile(  # qualifiers of other quantities, as in "Speed (level) (km/h
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
-# -------------------------------------------------------------------------------------------------
-# Assignment of the columns of a header to quantities.
+# --- Assignment of the columns of a header to quantities -----------------------------------------
 
 
 class Taken(NamedTuple):

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 
-# -------------------------------------------------------------------------------------------------
-# CSV dialects of spreadsheets: commas, semicolons or tabs as separators, commas in numbers.
+# --- CSV dialects of spreadsheets: commas, semicolons or tabs as separators, commas in numbers ---
 
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 """Separators of columns, with their names in messages."""
@@ -207,8 +206,7 @@ def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> An
     return csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=strict)
 
 
-# -------------------------------------------------------------------------------------------------
-# Text of CSV files.
+# --- Text of CSV files ---------------------------------------------------------------------------
 
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
@@ -227,8 +225,7 @@ def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats
     return csv_text([*points.columns, *further], points.rows(loads, further))
 
 
-# -------------------------------------------------------------------------------------------------
-# Lines of a text file, or an ``InputError`` with the reason why the file cannot be read.
+# --- Lines of a text file, or an ``InputError`` with the reason why the file cannot be read ------
 
 MAX_BYTES = 5_000_000
 
@@ -284,8 +281,7 @@ def read_lines(
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-# -------------------------------------------------------------------------------------------------
-# Safe writing: an interrupted command leaves no partial files.
+# --- Safe writing: an interrupted command leaves no partial files --------------------------------
 
 
 def check_place(path: Path, where: str) -> bool:
@@ -332,8 +328,7 @@ def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> 
         part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
-# -------------------------------------------------------------------------------------------------
-# Operating points and loads in units of files: rpm, m/s, degrees, columns with units.
+# --- Operating points and loads in units of files: rpm, m/s, degrees, columns with units ---------
 
 GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
 PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
@@ -432,8 +427,7 @@ def numbers_of(values: Floats) -> list[float | None]:
     return [number_or_none(value) for value in values.ravel().tolist()]
 
 
-# -------------------------------------------------------------------------------------------------
-# CSV files with a column per quantity: operating points and measured loads.
+# --- CSV files with a column per quantity: operating points and measured loads -------------------
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 OF_POINTS = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}

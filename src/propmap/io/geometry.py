@@ -19,8 +19,7 @@ from propmap.model.propeller import Propeller, check_blade, check_blades, twist_
 from propmap.typing import Floats
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# Common steps of all readers.
+# --- Common steps of all readers -----------------------------------------------------------------
 
 RADIUS_TOLERANCE = 1e-3  # allowed difference of two values of the radius, as a share
 
@@ -140,8 +139,7 @@ def build_propeller(
     return Propeller(name, check_blades(blades), *blade, None, source, citation)
 
 
-# -------------------------------------------------------------------------------------------------
-# TOML files in the format of propmap, one per propeller.
+# --- TOML files in the format of propmap, one per propeller --------------------------------------
 
 BLADE_SCHEMA = 1
 
@@ -187,8 +185,7 @@ def propeller_toml(blade: Propeller) -> str:
     return tomli_w.dumps({key: value for key, value in fields.items() if value is not None})
 
 
-# -------------------------------------------------------------------------------------------------
-# CSV files with units in the column names.
+# --- CSV files with units in the column names ----------------------------------------------------
 
 STATION, CHORD = ("radius_m", "r_over_R"), ("chord_m", "c_over_R")
 TWIST = ("twist_deg",)
@@ -277,8 +274,7 @@ def _in_si(
         return station, chord, twist_from_degrees(twist)
 
 
-# -------------------------------------------------------------------------------------------------
-# Files of the UIUC Propeller Database: ``r/R c/R beta``.
+# --- Files of the UIUC Propeller Database: ``r/R c/R beta`` --------------------------------------
 
 HEADER = ["r/R", "c/R", "beta"]
 
@@ -319,8 +315,7 @@ def read_uiuc_geometry(
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 
 
-# -------------------------------------------------------------------------------------------------
-# Files of APC: ``*-PERF.PE0``.
+# --- Files of APC: ``*-PERF.PE0`` ----------------------------------------------------------------
 
 UNITS = {"STATION": "(IN)", "CHORD": "(IN)", "TWIST": "(DEG)"}
 
@@ -391,8 +386,7 @@ def read_apc_pe0(
             return result if inside else result.with_root_cutout(hub)
 
 
-# -------------------------------------------------------------------------------------------------
-# Files of QPROP, XROTOR and OpenVSP, without their section laws.
+# --- Files of QPROP, XROTOR and OpenVSP, without their section laws ------------------------------
 
 NEAR_TIP = 0.97  # share of the radius from which a blade is extrapolated linearly to its tip
 LAW_NOT_READ = (

@@ -19,8 +19,7 @@ from propmap.io.geometry import parse_number
 from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Formats of section tables: AeroDyn, XFOIL, QBlade, CACTUS, CCBlade and CSV.
+# --- Formats of section tables: AeroDyn, XFOIL, QBlade, CACTUS, CCBlade and CSV ------------------
 
 Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
 Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
@@ -226,8 +225,7 @@ def _whole(line: tuple[int, str]) -> int:
     return int(word)
 
 
-# -------------------------------------------------------------------------------------------------
-# Section tables from files, and the combination of polars to one table.
+# --- Section tables from files, and the combination of polars to one table -----------------------
 
 FORMATS = (
     "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a QBlade .plr file, "
@@ -338,8 +336,7 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
     return Polar(reynolds, np.radians(angles), lifts, drags)
 
 
-# -------------------------------------------------------------------------------------------------
-# Extrapolation of polars to all angles, and interpolation of polars at common angles.
+# --- Extrapolation of polars to all angles, and interpolation of polars at common angles ---------
 
 ASPECT_RATIO = 10.0  # of a propeller blade, for the drag of a plate across the flow (Viterna)
 

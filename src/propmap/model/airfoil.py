@@ -587,8 +587,7 @@ def _core_table(table: SectionTable) -> dict[str, Any]:
     }
 
 
-# -------------------------------------------------------------------------------------------------
-# Covariance of the section constants, and the errors that remain with the best constants.
+# --- Covariance of the section constants, and the errors that remain with the best constants -----
 
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")  # coefficients of an axial test
 

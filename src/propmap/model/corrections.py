@@ -108,7 +108,7 @@ class BladeToHub(Correction):
         self.hub(model.propeller)
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
-        """Return nothing: the blade that the core receives is already extended."""
+        """Return no ``name``: the core receives the blade of the ``model`` already extended."""
         return {}
 
 

@@ -70,8 +70,7 @@ Above the second limit, it is a windmill."""
 RADIANS_WITHIN = 1e-3  # tolerance for a multiple of 5 degrees in radians
 
 
-# -------------------------------------------------------------------------------------------------
-# Warnings on a blade, the air and operating points.
+# --- Warnings on a blade, the air and operating points -------------------------------------------
 
 
 def blade_warnings(propeller: Propeller) -> list[str]:

@@ -174,8 +174,7 @@ def blade_intervals(blade: Propeller, root: float, more_twist: float = 0.0) -> F
     return found
 
 
-# -------------------------------------------------------------------------------------------------
-# Checks of a blade before the computation of loads.
+# --- Checks of a blade before the computation of loads -------------------------------------------
 
 LIKELY_RADIUS = Range(0.025, 0.4)  # [m]
 WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38

@@ -168,8 +168,7 @@ def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
     return sorted(found.items(), key=lambda pair: pair[0])
 
 
-# -------------------------------------------------------------------------------------------------
-# Figures of the measurements, and of the fitted model and the hover model.
+# --- Figures of the measurements, and of the fitted model and the hover model --------------------
 
 ALIKE = 0.02  # relative difference below which predictions of the hover model share one dash
 
@@ -339,8 +338,7 @@ def steady_parts(log: FlightLog, segments: Sequence[slice]) -> Figure:
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# Samples of the parameters from the covariance of a fit, within their bounds.
+# --- Samples of the parameters from the covariance of a fit, within their bounds -----------------
 
 DRAWS = 200  # number of samples for a band
 TRIED, ROUNDS = 20_000, 50  # samples per round; rounds after which a fit has no band

@@ -178,8 +178,7 @@ def _load_and_unit(name: str) -> tuple[str, str]:
     return load, {"Nm": "N m"}.get(unit, unit)
 
 
-# -------------------------------------------------------------------------------------------------
-# Reliability of a fit, overall and by airspeed.
+# --- Reliability of a fit, overall and by airspeed -----------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -345,8 +344,7 @@ def unfitted(fit: FitRecord) -> list[str]:
     return [load.label for name, load in LOADS.items() if name not in names]
 
 
-# -------------------------------------------------------------------------------------------------
-# Range of the fitted data, and errors by airspeed.
+# --- Range of the fitted data, and errors by airspeed --------------------------------------------
 
 
 def coverage(fit: FitRecord) -> html.FigureRecord:
@@ -478,8 +476,7 @@ def band_errors(
     return html.FigureRecord(name, groups, draw, cells)
 
 
-# -------------------------------------------------------------------------------------------------
-# Fitted parameters: values, intervals, verdicts and correlations.
+# --- Fitted parameters: values, intervals, verdicts and correlations -----------------------------
 
 
 def parameters(fit: FitRecord) -> html.FigureRecord:
@@ -545,8 +542,7 @@ def strong_pairs(fit: FitRecord) -> list[str]:
     return [f"{a} and {b}" for (i, a), (j, b) in pairs if abs(fit.correlation[i, j]) >= STRONG]
 
 
-# -------------------------------------------------------------------------------------------------
-# Residuals of a model against all variables on which they may depend.
+# --- Residuals of a model against all variables on which they may depend -------------------------
 
 
 def binned(trend: Trend) -> dict[str, Floats]:

@@ -175,8 +175,7 @@ def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, 
     return columns
 
 
-# -------------------------------------------------------------------------------------------------
-# The folder of a report, which is written completely or not at all.
+# --- The folder of a report, which is written completely or not at all ---------------------------
 
 PAGE = "index.html"
 
@@ -242,8 +241,7 @@ def write_folder(
             shutil.rmtree(beside, ignore_errors=True)
 
 
-# -------------------------------------------------------------------------------------------------
-# Style and shared parts of the figures, and their output.
+# --- Style and shared parts of the figures, and their output -------------------------------------
 
 # Okabe and Ito's palette, which color-blind readers can distinguish, without the yellow, which is
 # invisible in print.  Each color has a marker for prints without color.

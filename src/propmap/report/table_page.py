@@ -118,8 +118,7 @@ def table_errors(
     return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
 
-# -------------------------------------------------------------------------------------------------
-# The cells of a table: certified, vortex ring, unresolved, or without a value.
+# --- The cells of a table: certified, vortex ring, unresolved, or without a value ----------------
 
 KINDS = {
     OK: ("certified", "#e8eef2"),
@@ -179,8 +178,7 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
     return html.FigureRecord("table-cells", [columns], draw)
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads of a table as curves over speed and as maps over speed and angle.
+# --- Loads of a table as curves over speed and as maps over speed and angle ----------------------
 
 
 def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.FigureRecord:

@@ -156,8 +156,7 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
     return 0.5 * vehicle.air.density * (force + (lift * speed)[..., None] * across)
 
 
-# -------------------------------------------------------------------------------------------------
-# The rotors on a free body of MuJoCo, with rotor speeds that lag behind the commands.
+# --- The rotors on a free body of MuJoCo, with rotor speeds that lag behind the commands ---------
 
 
 @jax.tree_util.register_dataclass

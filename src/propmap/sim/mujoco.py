@@ -278,8 +278,7 @@ class _Speeds:
         return omega, (wanted - omega) * self._rate
 
 
-# -------------------------------------------------------------------------------------------------
-# Adding rotors to a model without rotors.
+# --- Adding rotors to a model without rotors -----------------------------------------------------
 
 
 def attach(
@@ -365,8 +364,7 @@ def attach(
     return flown, changes
 
 
-# -------------------------------------------------------------------------------------------------
-# Checks that a model agrees with the vehicle.
+# --- Checks that a model agrees with the vehicle -------------------------------------------------
 
 
 def check_air(model: Any) -> None:

@@ -217,8 +217,7 @@ def _check_values(name: str, values: Floats) -> None:
         raise InputError(f"{name} is negative", "give 0 or more")
 
 
-# -------------------------------------------------------------------------------------------------
-# Propellers derived from another one by changes of size, pitch, chord or twist.
+# --- Propellers derived from another one by changes of size, pitch, chord or twist ---------------
 
 PITCH_AT = 0.75  # r/R of the nominal pitch
 

@@ -128,8 +128,7 @@ def parts_count(shape: Sequence[int], chunk: Sequence[int]) -> int:
     return math.prod(parts_along(shape, chunk))
 
 
-# -------------------------------------------------------------------------------------------------
-# Quantities stored for each operating point: names, units and meanings.
+# --- Quantities stored for each operating point: names, units and meanings -----------------------
 
 LOAD_TEXTS = {
     **{name: (load.unit, load.meaning) for name, load in LOADS.items()},

@@ -320,8 +320,7 @@ def _errors_between(
     return _largest(np.where(inside[..., None], error, 0.0), (0, 2)), advance, beta
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads, from the model at a subset of the knots.
+# --- Standard deviations of a table's loads, from the model at a subset of the knots -------------
 
 MOST_DEVIATIONS = 20  # knots along each axis: standard deviations vary more slowly than loads
 
@@ -343,8 +342,7 @@ def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
     return np.asarray(between.transpose(1, 0, 2, 3))
 
 
-# -------------------------------------------------------------------------------------------------
-# Placement of the knots: intervals are halved until the interpolation meets the tolerance.
+# --- Placement of the knots: intervals are halved until the interpolation meets the tolerance ----
 
 FIRST_KNOTS = 13  # initial number of knots along each axis
 

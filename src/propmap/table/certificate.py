@@ -72,8 +72,7 @@ class Certificate:
         return {**asdict(self), "holds": self.holds}
 
 
-# -------------------------------------------------------------------------------------------------
-# The certificate as text.
+# --- The certificate as text ---------------------------------------------------------------------
 
 TITLES = {name: load.share for name, load in LOADS.items()}  # labels of relative errors
 PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units

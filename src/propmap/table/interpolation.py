@@ -149,8 +149,7 @@ def coefficient_scale(density: float, radius: float) -> Floats:
     return force * np.array([radius if load.moment else 1.0 for load in LOADS.values()])
 
 
-# -------------------------------------------------------------------------------------------------
-# Status of a point, and bilinear interpolation between knots.
+# --- Status of a point, and bilinear interpolation between knots ---------------------------------
 
 STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside", "reversed")
 """Names of the status codes, from harmless to fatal; if several apply, a point has the last one.

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from propmap.model.propeller import Propeller
 
 
-# -------------------------------------------------------------------------------------------------
-# Results of queries: named tuples with every load of the registry.
+# --- Results of queries: named tuples with every load of the registry ----------------------------
 
 TORQUE = list(LOADS).index("torque")
 
@@ -366,8 +365,7 @@ class LoadTable:
         return chain_rule(found, omega, advance, tip_speed, root, np.where)
 
 
-# -------------------------------------------------------------------------------------------------
-# Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2).
+# --- Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2) ----------
 
 HARDLY_MOVING = 1e-7  # advance ratio below which (d/dbeta)/J is replaced by its limit
 
@@ -407,8 +405,7 @@ def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
     return np.concatenate([each, power[:, None]], axis=1)
 
 
-# -------------------------------------------------------------------------------------------------
-# The rotational speed for a given load.
+# --- The rotational speed for a given load -------------------------------------------------------
 
 QUANTITIES = ("thrust", "torque", "power")
 

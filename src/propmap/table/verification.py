@@ -24,8 +24,7 @@ CANDIDATES = 32  # candidates per point of a certificate in the search for unres
 MOST_INSIDE = 4  # points of a certificate / largest number of points in unresolved cells
 
 
-# -------------------------------------------------------------------------------------------------
-# The model that a table is built from and compared with; each coefficient is computed once.
+# --- The model that a table is built from and compared with; each coefficient is computed once ---
 
 Progress = Callable[[str, int], None]  # called with the current stage and the points evaluated
 BATCH = 4096  # operating points between two calls of progress: some tenths of a second
@@ -110,8 +109,7 @@ def _loads_of(
     return values, found.status == "vortex_ring"
 
 
-# -------------------------------------------------------------------------------------------------
-# The certificate: errors at independent points, and a search for the largest errors.
+# --- The certificate: errors at independent points, and a search for the largest errors ----------
 
 
 def certify(
@@ -213,8 +211,7 @@ def by_load(values: Floats) -> dict[str, float]:
     return dict(zip(LOADS, values.tolist(), strict=True))
 
 
-# -------------------------------------------------------------------------------------------------
-# Errors of a table at points of its envelope.
+# --- Errors of a table at points of its envelope -------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -372,8 +369,7 @@ def _sizes(found: TableErrors) -> Floats:
     return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads due to the section constants.
+# --- Standard deviations of a table's loads due to the section constants -------------------------
 
 UNCERTAINTY_POINTS = 1024  # points of the envelope; a power of two
 SEED = 20_170
@@ -410,8 +406,7 @@ def load_deviations(
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-# -------------------------------------------------------------------------------------------------
-# Evenly spread points: the scrambled Sobol sequence in three dimensions.
+# --- Evenly spread points: the scrambled Sobol sequence in three dimensions ----------------------
 
 BITS = 30  # bits of each coordinate
 

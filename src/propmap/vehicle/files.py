@@ -25,8 +25,7 @@ from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedCo
 from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing
 from propmap.vehicle.wakes import above_each_other
 
-# -------------------------------------------------------------------------------------------------
-# Tables and keys of a vehicle file; the texts appear in messages as the value to write.
+# --- Tables and keys of a vehicle file; the texts appear in messages as the value to write -------
 
 VEHICLE_SCHEMA = 1
 OneOrMore = Number | tuple[Number, ...]
@@ -208,8 +207,7 @@ class _VehicleFile(TomlTable):
     log: _Log = msgspec.field(default_factory=_Log)
 
 
-# -------------------------------------------------------------------------------------------------
-# Reader of vehicle files.
+# --- Reader of vehicle files ---------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -333,8 +331,7 @@ def _powertrain(file: _VehicleFile, where: str) -> Powertrain:
         return Powertrain(motor=motor, controller=controller, battery=battery)
 
 
-# -------------------------------------------------------------------------------------------------
-# Conventions of flight logs in a vehicle file: frames, units, names of columns and topics.
+# --- Conventions of flight logs in a vehicle file: frames, units, names of columns and topics ----
 
 STATED = ("body_frame", "world_frame", "velocity_in", "rotor_unit")
 """Keys of ``[log]`` with frames and units, except ``throttle_range``."""

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 
-# -------------------------------------------------------------------------------------------------
-# A flight as arrays at common times, in the vehicle's frame: x forward, y left, z up.
+# --- A flight as arrays at common times, in the vehicle's frame: x forward, y left, z up ---------
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,8 +314,7 @@ def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> F
     return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=beyond))
 
 
-# -------------------------------------------------------------------------------------------------
-# Short names of flights from their file names.
+# --- Short names of flights from their file names ------------------------------------------------
 
 TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
@@ -337,8 +335,7 @@ def _words(stem: str) -> list[str]:
     return [*words[:-1], words[-1][:8], stamp[1]] if stamp else words
 
 
-# -------------------------------------------------------------------------------------------------
-# Conversion from the frames of a log to FLU (forward, left, up) and ENU (east, north, up).
+# --- Conversion from the frames of a log to FLU (forward, left, up) and ENU (east, north, up) ----
 
 
 def body_to_flu(vectors: Floats, frame: str) -> Floats:

@@ -193,8 +193,7 @@ def _broken_segments(recording: log.Recording, turning: Pair, moving: Pair) -> l
     return found
 
 
-# -------------------------------------------------------------------------------------------------
-# Common mistakes in frames, units and columns, and the recording without each of them.
+# --- Common mistakes in frames, units and columns, and the recording without each of them --------
 
 OTHER = {"flu": "frd", "frd": "flu", "enu": "ned", "ned": "enu", "body": "world", "world": "body"}
 
@@ -322,8 +321,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
         )
 
 
-# -------------------------------------------------------------------------------------------------
-# Failed sensors: constant readings, saturation, and gaps.
+# --- Failed sensors: constant readings, saturation, and gaps -------------------------------------
 
 AT_END = 0.005  # least fraction of samples at an end of the range that is reported
 IN_A_ROW = 3  # number of consecutive samples at an end of the range that counts as saturation

@@ -33,8 +33,7 @@ from propmap.vehicle.log import (
 )
 from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
-# -------------------------------------------------------------------------------------------------
-# Flight logs as CSV or Parquet; the vehicle file contains their column names.
+# --- Flight logs as CSV or Parquet; the vehicle file contains their column names -----------------
 
 MOST_SHOWN = 30  # largest number of columns listed in a message
 MOST_SETTINGS = 1000  # number of lines of a file in which the header is searched
@@ -278,8 +277,7 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
     return values
 
 
-# -------------------------------------------------------------------------------------------------
-# Flight logs of PX4: ULog files, in FRD and NED.
+# --- Flight logs of PX4: ULog files, in FRD and NED ----------------------------------------------
 
 
 # Topics and fields by quantity; the reader uses the first topic that the log contains.
@@ -534,8 +532,7 @@ def _field(data: Any, topic: str, field: str) -> Floats:
         return np.asarray(data.data[field], dtype=np.float64)
 
 
-# -------------------------------------------------------------------------------------------------
-# Flight logs of ROS: bags of ROS 1 (.bag) and ROS 2 (folder, .db3, .mcap).
+# --- Flight logs of ROS: bags of ROS 1 (.bag) and ROS 2 (folder, .db3, .mcap) --------------------
 
 TYPES = {
     "odometry": "nav_msgs/msg/Odometry",
@@ -701,8 +698,7 @@ def _short(kind: str) -> str:
     return kind.replace("/msg/", "/")
 
 
-# -------------------------------------------------------------------------------------------------
-# Choice of the reader by file extension.
+# --- Choice of the reader by file extension ------------------------------------------------------
 
 READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
     ".csv": read_csv_log,

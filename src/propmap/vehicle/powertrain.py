@@ -12,8 +12,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# The powertrain from battery to shaft: motor, speed controller and battery.
+# --- The powertrain from battery to shaft: motor, speed controller and battery -------------------
 
 USUAL_TIP_SPEED = (60.0, 900.0)
 """Plausible tip speeds [m/s] with an unloaded motor at full charge.  If rad/s/V and rpm/V are
@@ -98,8 +97,7 @@ class Powertrain:
         )
 
 
-# -------------------------------------------------------------------------------------------------
-# Model of a brushless motor: Kv, winding resistance and no-load current.
+# --- Model of a brushless motor: Kv, winding resistance and no-load current ----------------------
 
 COPPER = 0.00393
 """Temperature coefficient of the resistance of copper at 20 degrees C [1/K]: IEC 60028."""
@@ -372,8 +370,7 @@ class Battery:
         return self.capacity * half * np.tensordot(WEIGHTS, rates, axes=(0, 0))
 
 
-# -------------------------------------------------------------------------------------------------
-# Model of the losses in an electronic speed controller.
+# --- Model of the losses in an electronic speed controller ---------------------------------------
 
 
 @dataclass(frozen=True)

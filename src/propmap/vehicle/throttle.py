@@ -17,8 +17,7 @@ from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Conversion of logged commands to fractions of full throttle.
+# --- Conversion of logged commands to fractions of full throttle ---------------------------------
 
 BEYOND, MOST_BEYOND = 0.05, 0.05
 """Tolerance of the command range, as a fraction of it, and largest fraction of samples outside."""

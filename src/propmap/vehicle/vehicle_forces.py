@@ -173,8 +173,7 @@ class VehicleForces:
         )
 
 
-# -------------------------------------------------------------------------------------------------
-# Forces and moments of the interacting rotors of a vehicle.
+# --- Forces and moments of the interacting rotors of a vehicle -----------------------------------
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
@@ -394,8 +393,7 @@ def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[
     ]
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads of a vehicle's rotors from a rotor model, a table or the hover model.
+# --- Loads of a vehicle's rotors from a rotor model, a table or the hover model ------------------
 
 USABLE, (RING, LOST) = STATUSES[:-2], STATUSES[-2:]
 SEVERITY = (*USABLE, "extrapolated", RING, "unresolved", "clamped", LOST, "no_value", "outside")
@@ -491,8 +489,7 @@ def check_table(vehicle: Vehicle, table: Any) -> None:
         )
 
 
-# -------------------------------------------------------------------------------------------------
-# Forces of body and wing in the free stream: section III.A and footnote 4 of the paper.
+# --- Forces of body and wing in the free stream: section III.A and footnote 4 of the paper -------
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:

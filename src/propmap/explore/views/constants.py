@@ -176,8 +176,7 @@ class ConstantsView(view.View):
         return Recipe(session, constants=None if law is law_at_first(session) else law)
 
 
-# -------------------------------------------------------------------------------------------------
-# Figures and table: section curves, and measured and modeled loads.
+# --- Figures and table: section curves, and measured and modeled loads ---------------------------
 
 
 def _of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figure]:
@@ -246,8 +245,7 @@ def _errors(data: TunnelData, before: Any, now: Any) -> Table:
     return Table(("", BEFORE[0], AFTER[0], "unit"), rows, caption)
 
 
-# -------------------------------------------------------------------------------------------------
-# Constants from the sliders, and their fit in the background.
+# --- Constants from the sliders, and their fit in the background ---------------------------------
 
 
 def law_at_first(session: Session) -> Airfoil:

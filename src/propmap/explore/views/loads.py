@@ -187,8 +187,7 @@ def _flow(axes: Mapping[str, Floats], along: str) -> dict[str, Floats]:
     return dict(zip(axes, np.broadcast_arrays(*shaped), strict=True))
 
 
-# -------------------------------------------------------------------------------------------------
-# Further elements of the figures: points by status, measured points.
+# --- Further elements of the figures: points by status, measured points --------------------------
 
 
 def _by_status(x: Floats, loads: Loads, found: Floats) -> list[dict[str, Any]]:
