@@ -349,9 +349,9 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    With --method balance, the fit also estimates a clock offset and, for two or more flights, a
-    factor on the thrust (thrust scale) for each flight. The fit does not estimate wind; state the
-    wind in the vehicle file.
+    With --method balance, the fit also estimates a clock offset for each flight. With two or more
+    flights, it also estimates a factor on the thrust of each flight (thrust scale). The fit does
+    not estimate wind; state the wind in the vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None

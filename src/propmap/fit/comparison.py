@@ -137,8 +137,9 @@ def flight_forces(
 
 
 DRAG_DEVIATION = 0.12
-"""Standard deviation over flights of a factor on the force across the mean rotor axis, for
-differences in drag and airspeed.  ``parameters.PER_FLIGHT`` explains the choice of the value."""
+"""Standard deviation, over flights, of a factor on the force perpendicular to the mean rotor axis.
+The factor describes differences in drag and airspeed.  ``parameters.PER_FLIGHT`` explains the
+value."""
 
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
@@ -186,11 +187,16 @@ def force_errors(
 ) -> ForceErrors | None:
     """Return forces and moments by a flight fit, and the sources of their errors.
 
-    The sources are the joint covariance of all free parameters, the priors of the body for a fit
-    of slow flights, the differences between flights, and the cross-validated error.  This error
-    grows with the force on the vehicle.  Beyond the data of the fit, it grows with V/(Omega R) if
-    this growth is larger; the additional part is fully correlated between all samples.  Return None
-    for a fit of other data.
+    The sources are:
+
+    - the joint covariance of all free parameters
+    - the priors of the body, for a fit of slow flights
+    - the differences between flights
+    - the cross-validated error
+
+    The cross-validated error grows with the force on the vehicle.  Beyond the data of the fit, it
+    grows with V/(Omega R) if this growth is larger.  The additional part is fully correlated
+    between all samples.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -200,7 +206,7 @@ def force_errors(
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    # Prior standard deviations of areas of the body, which are zero in fits of slow flights.
+    # Prior standard deviations of the body areas.  Fits of slow flights fix these areas at zero.
     prior: dict[str, float] = record.settings.get("undetermined", {})
     names = (*known.names, *prior, *parameters.PER_FLIGHT)
     loads, by_name = fitted_forces(file, vehicle, log, values, names)
@@ -219,7 +225,7 @@ def force_errors(
             size = size if np.isfinite(size) else fitted[name].rms
             left[:, k], extrapolated[k, :, k] = np.sqrt(growth) * size, np.sqrt(further) * size
     slopes = np.stack([*extrapolated, *by_name, across])
-    # This flight and the flights of the fit differ from the mean over all, so both variances add.
+    # This flight and the mean of the flights of the fit differ from the mean over all flights.
     share = 1.0 / max(1, len(record.data) - 1)  # the last item is the vehicle file
     spread = (1.0 + share) * np.square([*parameters.PER_FLIGHT.values(), DRAG_DEVIATION])
     end = 6 + len(known.names)
@@ -376,7 +382,8 @@ class ForwardTrust:
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
     """Return the uncertainty before and after a fit, at rest and in axial and edgewise flow.
 
-    It combines the error sqrt(g' S g) of the free constants of ``model`` with ``MODEL_ERROR``.
+    The uncertainty combines ``MODEL_ERROR`` with the error sqrt(g' S g) of the free constants of
+    ``model``.  S is their covariance, and g is the gradient of the load.
     """
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
@@ -428,7 +435,7 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 
 # --- Effect of one more free parameter on a fit: wrong assumptions, terms of the body ------------
 
-REMARKABLE = 0.7  # ratio of residuals without to with an assumption below which a remark is made
+REMARKABLE = 0.7  # a remark is made below this ratio: residuals without / with an assumption
 POOR = 0.03  # relative residual above which assumptions are checked
 
 ASSUMPTIONS = {
@@ -610,8 +617,8 @@ SURE = 2.0  # least change of the mean square error for a verdict, in standard e
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight with low-passed and with raw signals, and optionally with the forces [N], (n, 3),
-    that another model predicts at the samples of each."""
+    """One flight with low-passed and with raw signals.  For each of both, optionally the forces [N]
+    (n, 3) that another model predicts."""
 
     name: str
     passed: FlightLog  # low-passed signals
@@ -697,8 +704,8 @@ def fit_terms(
 def gain(
     old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
 ) -> tuple[float, float]:
-    """Return the fall of the mean square force error from one model to another, and its standard
-    deviation [N^2]; correlated errors within a second count as one."""
+    """Return the decrease of the mean square force error [N^2] from one model to another, and its
+    standard deviation.  The errors within a second, which are correlated, count as one error."""
     means = []
     for a, b, flown in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
@@ -755,8 +762,8 @@ def values_for(
 ) -> tuple[dict[str, float], list[str]]:
     """Return parameters for the flights of a ``log`` from ``paths``, and remarks.
 
-    A flight of the fit has its fitted parameters.  Another flight has the means over these flights,
-    and the thrust scale of its hover if that scale is significant.
+    A flight of the fit has its fitted parameters.  Any other flight has the means over the
+    flights of the fit, and the thrust scale of its own hover if this scale is significant.
     """
     logs = file.record.data[:-1]  # the last item is the vehicle file
     names = flight_names([source.file for source in logs])

@@ -78,8 +78,10 @@ class FitFile:
 
     @property
     def hover_reference(self) -> float | None:
-        """Thrust over the sum of squared rotor speeds in the hover of a flight with thrust scale 1
-        [N s^2]; None for a fit that does not use the hover of its flights."""
+        """Thrust / sum of squared rotor speeds in hover, for thrust scale 1 [N s^2].
+
+        None for a fit that does not use the hover of its flights.
+        """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:

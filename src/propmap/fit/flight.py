@@ -538,10 +538,11 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 FAST = 0.5
 """Least ratio of the airspeed of a flight to the inflow in hover at which wakes and body of a fit
-are free [-].  At slower speeds, wakes are within 27 deg of the rotor axis, and one prior standard
-deviation of the body changes the force by at most 2.5 % of the weight, as errors of the thrust do.
-A fit to Neural-Fly flights up to 0.3 describes such errors by these terms: with wakes, it predicts
-only a quarter of the thrust at 4.2 m/s; with the body, two thirds of the thrust at 8.5 m/s."""
+are free [-].  At slower speeds, wakes are within 27 deg of the rotor axis.  One prior standard
+deviation of the body changes the force by at most 2.5 % of the weight.  Errors of the thrust are as
+large.  A fit to Neural-Fly flights at ratios up to 0.3 attributes such errors to wakes and body.
+With wakes, it predicts only a quarter of the thrust at 4.2 m/s; with the body, two thirds of the
+thrust at 8.5 m/s."""
 
 
 def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
@@ -621,7 +622,7 @@ class HoverScale:
 
     @property
     def remarkable(self) -> dict[str, float]:
-        """Scales that differ from 1 by more than two standard deviations of a hover."""
+        """Scales that differ from 1 by more than two standard deviations ``IN_HOVER``."""
         return {name: one for name, one in self.scales.items() if abs(one - 1.0) > 2.0 * IN_HOVER}
 
     @property

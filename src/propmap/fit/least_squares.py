@@ -19,23 +19,23 @@ from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
 NOISE_FLOOR = 1e-3  # least error of a residual / its scale: the numerical error of the loads
-SAME_MINIMUM, DIFFERENCE, ON_BOUND = 1e-3, 1e-5, 1e-9
-"""In units of ``Parameter.spread``: largest distance between the end points of two searches that
-found the same minimum; step of difference quotients; largest distance of a parameter from a bound
-to which it is moved."""
+# In units of ``Parameter.spread``:
+SAME_MINIMUM = 1e-3  # largest distance between end points of searches that found the same minimum
+DIFFERENCE = 1e-5  # step of difference quotients
+ON_BOUND = 1e-9  # a parameter closer to a bound is moved to the bound
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations of each search, and of the finer one
 FINE = 1e-6, 1e-8  # step and gain that end a search, above the errors of the derivatives
 REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
 FAR = 1.5  # largest distance of initial values from the prior mean, in its standard deviations
 MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
-ONE_OF_FEW = 0.2  # the same share for few rows, if the rows belong to one operating point
+ONE_OF_FEW = 0.2  # the same for few rows, if the rows without a solution are one operating point
 
 
 class End(msgspec.Struct, frozen=True):
     """Start and end of one search."""
 
-    start: Floats  # first and last parameters (P,)
-    x: Floats = msgspec.field(name="end")
+    start: Floats  # first parameters (P,)
+    x: Floats = msgspec.field(name="end")  # last parameters (P,)
     cost: float  # half the sum of squares [-]
     minimum: int = 1  # number of the minimum; 1 is the best
 
@@ -219,8 +219,8 @@ Evaluation = tuple[Floats, Floats]
 RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 
 INDEPENDENT = 10.0
-"""Largest weight of the rows of one load, in independent measurements, with a prior from other
-propellers: adjacent rows share the errors of the model and of the test stand."""
+"""With a prior from other propellers, the rows of one load count as at most this number of
+independent measurements.  Adjacent rows share the errors of the model and of the test stand."""
 
 INDEPENDENT_AT_REST = 4.0  # the same for static rows, which differ only in rotational speed
 REMEMBERED = 16  # number of stored evaluations, more than one refit needs

@@ -18,8 +18,8 @@ HELD_BY_PRIOR = 0.7  # standard deviation / that of the prior, above which the p
 LARGEST_STRETCH = 4.0  # largest factor that widens one side of an interval
 
 NEGLIGIBLE = 1e-6
-"""Ratio to the largest singular value, below which data do not determine a direction.  Its square
-has to exceed the rounding errors of the largest squared singular value."""
+"""Ratio to the largest singular value, below which data do not determine a direction.  The square
+of this ratio must exceed the relative rounding error of the largest squared singular value."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def uncertainty(
     covariance, inverse, root = _sandwich(whole, middle + by_priors)
     covariance = covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
-    # At a minimum, the sum of squares falls only toward bounds.
+    # At a minimum, the sum of squares could decrease only beyond bounds.
     uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ from_prior)
     center = x / spread - inverse @ np.where(held, uphill, 0.0)
     quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
@@ -169,8 +169,8 @@ def _stretched(
 ) -> Floats:
     """Return ``ends`` (2, P) of intervals, in units of ``Parameter.spread``.
 
-    For the parameters ``narrow``, widen the interval if the sum of squares linearized at the end is
-    below the sum of squares linearized at the minimum.
+    Widen the interval of a parameter in ``narrow`` if linearization at its end predicts a smaller
+    sum of squares there than linearization at the minimum.
     """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
@@ -215,7 +215,7 @@ def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floa
 
     The first is the covariance inverse(information) middle inverse(information), with infinite
     variances for parameters that the data do not determine.  The second is inverse(information),
-    zero in the directions that they do not determine.  The third is W (R, P) of
+    zero in the directions that the data do not determine.  The third is W (R, P) of
     ``bounded_intervals``.
     """
     values, vectors = np.linalg.eigh(information)
@@ -317,7 +317,7 @@ def bounded_intervals(
 
 # --- Errors of parameters from residuals that are correlated within segments of the data ---------
 
-MOST_ALONE = 0.9  # largest share of a segment in the information on a direction of the parameters
+MOST_ALONE = 0.9  # upper limit of the share of one segment in the information on a direction
 
 
 def block_errors(
@@ -326,12 +326,12 @@ def block_errors(
     """Return the cluster-robust covariance (P, P) of the gradient of half the sum of squares, and
     Satterthwaite's degrees of freedom (P,).
 
-    ``slopes`` are (M, P), and ``group`` numbers the segments.  Each segment has the residuals of a
-    fit without this segment (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169).
-    With few segments, the residuals of one fit are too small.  Some errors last longer than a
-    segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
-    adds to the variance.  ``whole`` is the information of data and priors, ``by_priors`` the part
-    of priors in the covariance.
+    ``slopes`` are (M, P), and ``group`` numbers the segments.  The residuals of a segment are those
+    of a fit without it (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169).  With
+    few segments, the residuals of a fit to all segments are too small.  Some errors last longer
+    than a segment: a positive covariance of consecutive segments, with consecutive numbers in
+    ``group``, adds to the variance.  ``whole`` is the information of data and priors, and
+    ``by_priors`` is the part of the priors in the covariance.
     """
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)

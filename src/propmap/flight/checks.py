@@ -31,8 +31,8 @@ FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
 roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
-pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, because the factor of 2 pole
-pairs is near the factor 1 of correct speeds."""
+pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, so that correct speeds
+(factor 1) are not taken for electrical rpm with 2 pole pairs (factor 2)."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
@@ -48,8 +48,8 @@ def check_rotor_speed(
 
     The ``rotor`` has a nominal section law.  ``rotor_unit`` is the unit in the vehicle file,
     "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise ``InputError`` if a
-    rotor stands still, if a wrong unit explains the difference, or if the thrust is outside 0.2 to
-    5 times the weight.
+    rotor stands still or if a wrong unit explains the difference.  Also raise ``InputError`` if the
+    thrust is outside 0.2 to 5 times the weight.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:

@@ -197,13 +197,13 @@ def trim(
 ) -> FlightLog:
     """Return operating points of level circles to the left, nose first, at ``speeds`` (n,) [m/s].
 
-    All rotors have the same speed, because small differences balance the moments.  The forces
-    are computed as in a fit.  The circles have a ``radius`` [m], infinite for straight flight.  A
-    horizontal ``tether`` provides the centripetal force, as in the paper; without a tether, the
-    vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on the rotors, as a share
-    of the weight.  A fit to the points treats this force as a measurement error.
-    ``specific_force`` includes the force of the tether.  Raise an ``InputError`` for speeds that
-    cannot be flown.
+    All rotors have the same speed: the differences that balance the moments are small, and are
+    ignored.  The forces are computed as in a fit.  The circles have a ``radius`` [m], infinite for
+    straight flight.  A horizontal ``tether`` provides the centripetal force, as in the paper;
+    without a tether, the vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on
+    the rotors, as a share of the weight.  A fit to the points treats this force as a measurement
+    error.  ``specific_force`` includes the force of the tether.  Raise an ``InputError`` for speeds
+    that cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
@@ -321,9 +321,9 @@ def expectation(
 ) -> Expectation:
     """Return the Gauss-Newton intervals of a fit of level flights, eq. (18), at the true values.
 
-    ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight,
-    and at least the numerical error of the loads.  Raise an ``InputError`` for a true value outside
-    the bounds of a fit.
+    ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight.
+    Smaller values are raised to the numerical error of the loads.  Raise an ``InputError`` for a
+    true value outside the bounds of a fit.
     """
     truth = {name: EVERY[name].start for name in free if name in MOUNT}
     truth |= true_values(vehicle, airfoil)
@@ -336,7 +336,7 @@ def expectation(
     rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
     _, slopes = rows.model(truth, free)
     x, error = choice.first, max(error, NOISE_FLOOR)
-    # Divided by the degrees of freedom, these residuals have the standard error ``error``.
+    # The sum of squares of ``residual`` divided by the degrees of freedom is ``error`` squared.
     margin = AT_BOUND * choice.column("spread")
     inside = np.minimum(x - choice.column("lower"), choice.column("upper") - x) >= margin
     discount = max(len(rows.measured) - int(inside.sum()), 1) / len(rows.measured)

@@ -36,20 +36,25 @@ FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/
 VERTICAL = 5.0  # correlation time of the vertical wind [s]: height of 25 m / wind of 5 m/s
 UP = 0.2  # prior standard deviation of the mean vertical wind [m/s]: 2 deg of slope at 5 m/s
 USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
-"""Prior means and standard deviations of the logarithms of five quantities: intensity of the
-horizontal walk [m^2/s^3], variance of the vertical wind [m^2/s^2], and correlation times of the
-errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
+"""Prior means and standard deviations of the logarithms of five scales:
+
+- intensity of the random walk of the horizontal wind [m^2/s^3]
+- variance of the vertical wind [m^2/s^2]
+- correlation times of the errors along x, y, z [s]
+
+Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
 0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
 WHITE = 0.1  # standard deviation of the error independent in each sample, divided by the total
 GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
-TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # at most this many regressions and samples tune scales
+TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most regressions and samples that tune the five scales
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
-"""Limits above which a remark asks whether the vehicle is the vehicle of the fit: residuals
-divided by their expected size [-], and mean vertical wind with the parameters of the fit [m/s]."""
+"""Above these limits, a remark asks whether the vehicle is the vehicle of the fit.  The limits are
+for residuals / their expected size [-], and for the mean vertical wind with the parameters of the
+fit [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
