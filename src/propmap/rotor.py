@@ -374,9 +374,8 @@ class Rotor:
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
         """Return ``points``; raise ``InputError`` for distances below 0.3 R."""
-        least = NEAREST * self.model.span[1]
         for name, values in (("height", points.height), ("ceiling", points.ceiling)):
-            if values is not FAR and (values < least).any():
+            if values is not FAR and (values < (least := NEAREST * self.model.span[1])).any():
                 raise InputError(
                     f"{name} is {values.min():g} m, less than 0.3 radii, {least:g} m",
                     "give a larger distance from the disk [m]; omit it if it is large",
