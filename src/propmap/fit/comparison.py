@@ -195,8 +195,8 @@ def force_errors(
     - the cross-validated error
 
     The cross-validated error grows with the force on the vehicle.  Beyond the data of the fit, it
-    grows with V/(Omega R) if this growth is larger.  The additional part is fully correlated
-    between all samples.  Return None for a fit of other data.
+    grows with V/(Omega R) instead if that growth exceeds the growth with the force.  The additional
+    part is fully correlated between all samples.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -290,7 +290,7 @@ def compare_forces(
 
 
 def useless(load: str, share: float) -> list[str]:
-    """Return a warning if the error of a moment is a ``share`` of 1 or more of the measured moment.
+    """Return a warning if ``share``, error divided by measured moment, is at least 1.
 
     Forces get no warning, because side forces near zero have large relative errors in any model.
     """
@@ -617,8 +617,8 @@ SURE = 2.0  # least change of the mean square error for a verdict, in standard e
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight with low-passed and with raw signals.  For each of both, optionally the forces [N]
-    (n, 3) that another model predicts."""
+    """One flight with low-passed and with raw signals.  For either kind of signals, it may
+    contain the forces [N] (n, 3) that another model predicts."""
 
     name: str
     passed: FlightLog  # low-passed signals

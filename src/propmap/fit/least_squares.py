@@ -24,7 +24,7 @@ SAME_MINIMUM = 1e-3  # largest distance between end points of searches that foun
 DIFFERENCE = 1e-5  # step of difference quotients
 ON_BOUND = 1e-9  # a parameter closer to a bound is moved to the bound
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations of each search, and of the finer one
-FINE = 1e-6, 1e-8  # step and gain that end a search, above the errors of the derivatives
+FINE = 1e-6, 1e-8  # a search ends below this step or gain; both exceed errors of derivatives
 REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
 FAR = 1.5  # largest distance of initial values from the prior mean, in its standard deviations
 MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
@@ -145,7 +145,7 @@ def search(
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
     def run(x0: Floats, most: int, step: float, gain: float, *, exact: bool = False) -> End:
-        # A fine search rejects many steps; ``computed`` saves their derivatives.
+        # A fine search rejects many steps; ``computed`` avoids their derivatives.
         often_refused = step <= FINE[0]
         with warnings.catch_warnings():
             # At a bound, SciPy divides by a distance of zero and continues correctly.

@@ -322,8 +322,8 @@ def expectation(
     """Return the Gauss-Newton intervals of a fit of level flights, eq. (18), at the true values.
 
     ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight.
-    Smaller values are raised to the numerical error of the loads.  Raise an ``InputError`` for a
-    true value outside the bounds of a fit.
+    An ``error`` below the numerical error of the loads is raised to it.  Raise an ``InputError``
+    for a true value outside the bounds of a fit.
     """
     truth = {name: EVERY[name].start for name in free if name in MOUNT}
     truth |= true_values(vehicle, airfoil)

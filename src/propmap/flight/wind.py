@@ -50,7 +50,7 @@ GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most regressions and samples that tune the five scales
-SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
+SETTLED = 0.1  # last change of the wind, in standard deviations, of a converged sample, at most
 MISFIT, UPDRAFT = 1.5, 2.0
 """Above these limits, a remark asks whether the vehicle is the vehicle of the fit.  The limits are
 for residuals / their expected size [-], and for the mean vertical wind with the parameters of the
