@@ -337,7 +337,7 @@ def test_angular_momentum_of_vehicle_and_rotors_is_kept(
     np.testing.assert_allclose(momentum(), before, rtol=0.0, atol=atol)
 
 
-# --- Loads that are not there, and what is no flight of this model -------------------------------
+# --- Missing loads, and samples that the model does not describe ----------------------------------
 
 
 @pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])

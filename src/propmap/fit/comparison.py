@@ -762,8 +762,9 @@ def values_for(
 ) -> tuple[dict[str, float], list[str]]:
     """Return parameters for the flights of a ``log`` from ``paths``, and remarks.
 
-    A flight of the fit has its fitted parameters.  Any other flight has the means over the
-    flights of the fit, and the thrust scale of its own hover if this scale is significant.
+    The parameters of a flight of the fit are the fitted ones.  Those of another flight are the
+    means over the flights of the fit.  If this flight contains hover, its thrust scale is estimated
+    from the hover, and used if it is significant.
     """
     logs = file.record.data[:-1]  # the last item is the vehicle file
     names = flight_names([source.file for source in logs])
