@@ -18,6 +18,7 @@ from propmap.rotor import Rotor
 from propmap.tasks import cores
 from propmap.typing import Floats
 
+_FORCE, _MOMENT = (..., slice(0, 3)), (..., slice(3, 6))  # of rows (..., 17) of the core
 STEP = 2e-6  # step of the central differences in ``linearize``, divided by tip speed plus airspeed
 
 
@@ -148,7 +149,8 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        return _wrench(self._motion(state, ..., omega, velocity)[1])
+        _, rows = self._motion(state, ..., omega, velocity)
+        return Wrench(rows[_FORCE], rows[_MOMENT])
 
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -167,8 +169,10 @@ class DynamicInflow:
         InputError
             As in ``step``.
         """
-        later, rows = self._motion(state, dt, omega, velocity)
-        return _wrench(rows), later
+        later, rows = self.rotor._core.inflow_motion(
+            state, dt, omega, velocity, self._sign, cores()
+        )
+        return Wrench(rows[_FORCE], rows[_MOMENT]), later
 
     def linearize(
         self, omega: float, velocity: ArrayLike, state: ArrayLike | None = None
@@ -252,7 +256,3 @@ class Linearization(NamedTuple):
     b: Floats
     c: Floats
     d: Floats
-
-
-def _wrench(rows: Floats) -> Wrench:
-    return Wrench(rows[..., :3], rows[..., 3:6])

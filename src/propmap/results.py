@@ -109,11 +109,11 @@ class Loads(LoadValues):
           determine;
         - "geometry": chord and twist of a blade that was not measured;
         - "discrepancy": error of the model with the best constants;
-        - "tunnel": difference from another tunnel or from the open air;
+        - "tunnel": difference between specimens or runs, for constants from another tunnel;
         - "installation": unspecified properties of an installed rotor.
 
-        The sources are independent.  The first access computes the standard deviations, to first
-        order in the parameters, in about three times the time of the loads (many points).
+        The sources are independent.  The first access computes the standard deviations to first
+        order in the parameters.  For many points, it takes about three times as long as the loads.
         """
         return self.deviations() if self.deviations is not None else {}
 
@@ -198,7 +198,7 @@ class Inflow:
     alpha : ndarray, shape (S, P)
         Angle of attack from the chord line [rad], in (-pi, pi].
     u_tangential, u_normal : ndarray, shape (S, P)
-        Section velocities (1) and (2) [m/s].
+        Section velocities of eqs. (1) and (2) [m/s].
     past_stall : ndarray, shape (S, P)
         alpha beyond the stall angle [rad]; negative for attached flow.
     stalled : ndarray, shape (S, P)
@@ -282,8 +282,7 @@ def _load_values(of: Callable[[str], Any]) -> LoadValues:
     return LoadValues(**{each.name: of(each.name) for each in fields(LoadValues)})
 
 
-@dataclass(frozen=True)
-class Wrench:
+class Wrench(NamedTuple):
     """Force and moment on the vehicle at the hub, in the rotor frame.
 
     Attributes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -137,4 +136,5 @@ def on_cores(most: int) -> Iterator[None]:
 
 def cores() -> int:
     """Return the number of processor cores that evaluations may use."""
-    return min(_OWN_CORES, _most_cores.get() or sys.maxsize)
+    most = _most_cores.get()
+    return min(_OWN_CORES, most) if most else _OWN_CORES

@@ -68,7 +68,10 @@ template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& 
 // Dynamic inflow of a rotor, at a fixed number of nodes.
 template <template <class> class LawOf> class DynamicInflow {
   public:
-    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : solver_(&solver), nodes_(nodes_for(solver)) {}
+    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : solver_(&solver), nodes_(nodes_for(solver)) {
+        single_panel(disk_, solver.rotor().root(), solver.rotor().tip(), nodes_);
+        place_nodes(solver.rotor(), 0.0, disk_);
+    }
 
     int size() const { return harmonics_first + nodes_; }  // of a state [m/s]
 
@@ -96,7 +99,6 @@ template <template <class> class LawOf> class DynamicInflow {
         solver_->prepare(at, s);
         s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
-        solver_->start_at(s, nodes_);
 
         // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow
         // opposes the flow through the disk, the slope of an annulus may have either sign.  The step therefore uses a
@@ -107,9 +109,9 @@ template <template <class> class LawOf> class DynamicInflow {
         // For the decay of harmonics: dT/dv_0, and dL/dv_s or dM/dv_c with sin^2(psi) replaced by its mean, 1/2.
         Lanes by_mean{}, by_gradient{};
         Lanes thrust_without{}, area{}, through_area{};
-        for (int g = 0; g < s.disk.groups; ++g) {
-            const auto& station = s.disk.at[g];
-            const Lanes& weight = s.disk.weight[g];
+        for (int g = 0; g < disk_.groups; ++g) {
+            const auto station = station_at(rotor, at.omega, disk_.at[g].radius);
+            const Lanes& weight = disk_.weight[g];
             Lanes v;
             for (int k = 0; k < width; ++k) v[k] = state[harmonics_first + std::min(g * width + k, nodes_ - 1)];
             const Dual<Lanes, 1> inflow{v, {broadcast(1.0)}};
@@ -179,6 +181,7 @@ template <template <class> class LawOf> class DynamicInflow {
   private:
     const RotorSolver<LawOf>* solver_;
     int nodes_;
+    Disk disk_;  // the radii and weights of the nodes
 };
 
 }  // namespace propmap
