@@ -1,4 +1,4 @@
-// The Python module of the core.  Rotors are passed as dictionaries of numbers; operating points and loads are passed as arrays.
+// The Python module of the core.  Rotors are passed as dictionaries of numbers; operating points and loads as arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -254,7 +254,7 @@ class CoreRotor {
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
         : blade_(std::make_unique<BladeShape>(shape(blade))), solver_(make({law}, {air}, {corrections}, fine)) {}
 
-    // Loads and the numbers of `keep`, (11, N), and the derivatives (6, P, N) of loads with respect to the P `names`.
+    // Loads and the other numbers that `keep` writes, (11, N), and derivatives (6, P, N) of loads with respect to `names`.
     nb::tuple loads(const Points& points, const std::vector<std::string>& names, int threads) const {
         const std::size_t n = points.shape(1);
         double *found, *slopes;
@@ -285,7 +285,7 @@ class CoreRotor {
 
     // Return states (..., size) after steps of `time` (...) [s]; rates of `state` if `time` is `...`; static states if
     // `state` is `...`.  Also return rows (..., 17) before the step: force and moment on the vehicle in the rotor frame,
-    // and the numbers of `keep`.  `spin` (...) is 1 for counter-clockwise.
+    // and the numbers that `keep` writes.  `spin` (...) is 1 for counter-clockwise.
     nb::tuple inflow_motion(nb::handle x, nb::handle dt, nb::handle w, nb::handle v, nb::handle turning, int threads) const {
         const std::size_t size = inflow_size(), row = 6 + kept;
         expect("state", size, harmonics_first, true);
@@ -386,7 +386,7 @@ class CoreRotor {
         return shape;
     }
 
-    // Write the loads, status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
+    // Write loads, status, number of roots, weight of the vortex ring, mean inflow and reverse-flow share of point k of n.
     static constexpr std::size_t kept = Loads<double>::count + 5;
     template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
         const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
@@ -395,7 +395,7 @@ class CoreRotor {
         for (double value : known) into[k] = value, into += n;
     }
 
-    // The rotor from dictionaries of numbers.  It precedes `make`, because clang 19 omits a member template that follows its use.
+    // The rotor from dictionaries of numbers.  It precedes `make`: clang 19 omits a member template that follows its use.
     template <template <class> class LawOf>
     Rotor<double, LawOf> rotor(const LawOf<double>& law, const Source& air, const Source& with) {
         Rotor<double, LawOf> r;
@@ -484,8 +484,8 @@ class CoreTable : public LoadTable {
     }
 };
 
-// Rows (5, N) of axial and in-plane speed and downstream direction in the disk plane, from the velocities of N hubs (N, 3)
-// and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
+// Rows (5, N): axial speed, in-plane speed, and the unit vector against the in-plane velocity (downstream); from the
+// velocities of N hubs (N, 3) and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
 Numbers hub_flows(Vectors axes, Vectors hubs) {
     const std::size_t m = axes.shape(0);
     expect("axes", m, 1, true);
@@ -610,12 +610,11 @@ class FreeBody {
 
     std::size_t inflow_size() const { return inflow_size_; }  // number of values in the inflow states of all rotors
 
-    // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite
-    // loads or speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
-    // velocity of the origin in the world frame, and the rates.  `omega` and `change` have one number per rotor.  The
-    // status of each rotor, and its worst status so far, are written to `codes`.  `inflow` contains the inflow states
-    // of the rotors; `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to
-    // static solutions.
+    // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite loads
+    // or speed, add nothing and return the first such rotor.  `pose`: position and quaternion.  `motion`: velocity of the
+    // origin (world frame) and angular velocity (body frame).  `omega` and `change` have one number per rotor.  `codes`
+    // receives the status of each rotor, and its worst status so far.  `inflow` contains the inflow states of the rotors;
+    // `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to static solutions.
     std::optional<std::size_t> push(Vector pose, Vector motion, Vector wind, Vector omega, Vector change, Forces forces, Codes codes,
                                     Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();

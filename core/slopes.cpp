@@ -59,7 +59,7 @@ void write_slopes(const AnySolver& any, const Solution& s, const Solution& at_re
         auto rotor = solver.rotor();
         Flow<double> flow = s.flow;
         const auto numbers = numbers_of(rotor, flow);
-        std::vector<std::size_t> nonlinear, place;  // the other numbers, and the index of each in `which`
+        std::vector<std::size_t> nonlinear, place;  // all numbers except the two named below; their indices in `which`
         // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
         rotor.mount_area = 1.0;
         const double by_area = rotor.density * mount_drag(rotor, s.flow, s.result.mean_inflow);

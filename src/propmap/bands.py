@@ -2,9 +2,9 @@
 
 The sources are independent.  The difference between specimens or runs is estimated from held-out
 runs of UIUC's tunnel.  The error of the theory in oblique flow is estimated from campaigns in two
-other tunnels.  The bands exclude errors of the force balance.  The static thrust on other test
-stands differs from that in UIUC's tunnel by about 10 %.  ``python -m tools.coverage`` computes the
-numbers below, and coverage, width and score of the bands.
+other tunnels.  The bands exclude errors of the force balance, and the difference of about 10 %
+between static thrust on other test stands and in UIUC's tunnel.  ``python -m tools.coverage``
+computes the numbers below, and coverage, width and score of the bands.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 def _ring(model: Model, at: FlowPoints, thrust: Floats) -> Floats:
     """Return a weight (N,) of the vortex ring state.
 
-    In axial descent, it is 1 at 0.5 to 1.4 times the hover inflow, and 0 at twice this inflow.
+    The weight is 1 for axial descent at 0.5 to 1.4 times the hover inflow, and 0 at twice or more.
     """
     hover = np.sqrt(np.abs(thrust) / (2.0 * model.air.density * np.pi * model.propeller.radius**2))
     hover = np.maximum(hover, 1e-9)

@@ -1,7 +1,7 @@
-"""The registry of loads: names, units, descriptions, and reference loads of errors.
+"""The registry of loads: names, units, descriptions, and reference values of relative errors.
 
-All code that lists loads iterates over ``LOADS``, and every array of loads has its order.  To add
-a load, compute it in ``element.hpp`` of the core, describe it here, and give it a field in
+All code that lists loads iterates over ``LOADS``.  Every array of loads has the order of ``LOADS``.
+To add a load, compute it in ``element.hpp`` of the core, describe it here, and give it a field in
 ``propmap.results.LoadValues``.
 """
 
@@ -29,7 +29,7 @@ class Load:
     meaning : str
         Description with the direction, for files.
     scale : str
-        Static load that serves as reference of errors; see ``error_scales``.
+        Static load in the reference value of relative errors; see ``error_scales``.
     inplane : bool
         Whether its direction depends on the in-plane velocity.  Such a load vanishes in axial flow
         and at rest, so the hover model does not have it.

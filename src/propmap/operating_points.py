@@ -118,14 +118,14 @@ def resolved(
 
 
 def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> FlowPoints | None:
-    """Return the result of ``resolved`` for three valid numbers ten times faster, or None."""
+    """Return ``resolved`` of three valid numbers, ten times as fast; None for other arguments."""
     w, v, b = omega, speed, beta
     number = float | int
     if not (isinstance(w, number) and isinstance(v, number) and isinstance(b, number)):
         return None
     if not (math.isfinite(w) and math.isfinite(v) and math.isfinite(b) and v >= 0.0):
         return None
-    # NumPy's functions return the same bits as for an array of points.
+    # NumPy's functions, unlike those of ``math``, round as for an array of points.
     cosine, sine = float(np.cos(float(b))), abs(float(np.sin(float(b))))
     rounding = 4e-16 * max(1.0, abs(b))
     along = 0.0 if abs(cosine) < rounding else v * cosine
@@ -160,7 +160,7 @@ def split_velocity(
 
 
 def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Floats] | None:
-    """Return the result of ``split_velocity`` for valid scalars ten times faster, or None."""
+    """Return ``split_velocity`` of valid scalars, ten times as fast; None for other arguments."""
     vector = velocity.tolist() if isinstance(velocity, np.ndarray) else velocity
     if not (isinstance(omega, float | int) and isinstance(vector, list | tuple)):
         return None

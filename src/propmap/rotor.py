@@ -100,7 +100,7 @@ class Rotor:
 
     @functools.cached_property
     def _core_of_growth(self) -> CoreRotor:
-        """Rotor of the core that also has derivatives with respect to zero exponents of Re."""
+        """Rotor of the core with derivatives with respect to exponents of Re that are zero."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
     @functools.cached_property
@@ -238,7 +238,7 @@ class Rotor:
         Raises
         ------
         InputError
-            For an unknown name, and for values that ``loads`` refuses.
+            For an unknown name, negative omega or v_inplane, and values that ``loads`` refuses.
         """
         return self.gradients_at(names, along_and_across(omega, v_axial, v_inplane, **further))
 
@@ -290,7 +290,7 @@ class Rotor:
         Raises
         ------
         InputError
-            For values that ``loads`` refuses.
+            For negative omega or v_inplane, and for values that ``loads`` refuses.
         """
         points = along_and_across(omega, v_axial, v_inplane)
         shape, rows = points.omega.shape, points.rows
@@ -363,7 +363,7 @@ class Rotor:
         Raises
         ------
         InputError
-            For arrays, and for values that ``loads`` refuses.
+            For arrays, a negative omega, and values that ``loads`` refuses.
         """
         found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
         radius, inflow, residual = found["nodes"]

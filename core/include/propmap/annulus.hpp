@@ -8,9 +8,9 @@
 //   attack, both branches keep these names, although flow is stalled above the hump.
 //   If the height is positive, the largest root is above the hump; if it is negative, below the hump.
 // - Fold: a radius at which the height is zero.  At a fold with a top, the largest root jumps from one branch to the
-//   other.  At a fold with a shoulder, it varies most steeply along the blade.
+//   other.  At a fold with a shoulder, this root varies most steeply along the blade.
 //
-// Each lane of `Lanes` contains the value at one radius, or at one inflow of a radius.
+// Each lane of a `Lanes` belongs to one radius, or to one trial inflow at one radius.
 #pragma once
 
 #include <array>
@@ -80,8 +80,8 @@ template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lane
 
 // --- Attached flow -------------------------------------------------------------------------------------------------
 
-// First guess of the inflow [m/s].  In attached flow without drag, (11) is v W = k (U_T^2 theta - U_T U_P).  W is the
-// square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above the root.
+// First guess of v_i [m/s]: the root of v W = k (U_T^2 theta - U_T U_P), (11) in attached flow without drag.  W is the
+// square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above this root.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -98,8 +98,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
 }
 
 // Return the lanes whose root v is in attached flow at all azimuths and therefore is the largest root.
-// If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, the lift is negative.  If no element stalls
-// between v and v_i = 0, (5) also decreases and (10) also increases there.  Above v_i = 0, the two thrusts have opposite signs.
+// If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, lift is negative.  From v to v_i = 0, (5)
+// decreases and (10) increases, because no element stalls in this range.  Above v_i = 0, (5) is negative and (10) positive.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
     const auto& f = of.flow;
     const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);  // [rad]: three widths of stall
@@ -258,8 +258,8 @@ inline bool may_hide_roots(const Sample& from, const Sample& to) {
     return opposed && ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
 }
 
-// Scan the residual over all inflows at one radius.  Every change of sign encloses a root.  Intervals that may hide two
-// more roots are sampled again, until no such interval is left.
+// Scan the residual over all inflows at one radius.  Every change of sign encloses a root.  Sample the intervals that may
+// hide two more roots again, in up to `rounds` rounds.
 template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
     const Station<Lanes> at = of.station(broadcast(radius));
     const double v_axial = std::fabs(of.flow.v_axial), speed = std::max(of.rms_speed(at)[0], 0.1 * v_axial + 1e-9);
@@ -323,7 +323,7 @@ struct Hump {
     double share;          // |height| over the momentum thrust
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
-    double below;          // angle minus stall angle at the first sample below the hump with a positive residual; NaN without such a sample
+    double below;          // like `past_stall`, at the first sample below the hump with a positive residual; NaN without one
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
@@ -367,8 +367,7 @@ inline Peak deciding_peak(std::span<const Sample> samples) {
 // points, at one of them by 0.24 % of the static load.)
 inline constexpr double refined_by = 0.012, refined_within = 0.9;
 
-// Refine the peaks in the lanes `open`, from three samples around each peak.  A lane remains open until its peak stays
-// between the samples.
+// Refine the peaks in the lanes `open`, from three samples around each peak.  Lanes whose peak moves too far remain open.
 template <class R>
 void refine_peaks(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, std::array<bool, width>& open,
                   Peak (&peak)[width]) {

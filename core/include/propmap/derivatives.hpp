@@ -1,14 +1,14 @@
 // Derivatives of the loads of a rotor by forward mode, through eq. (11), the harmonics and the edges of the panels.
 //
-// The dual numbers in a rotor and a flow define the directions.  The root of (11), the folds and the harmonics are
-// differentiated by the implicit function theorem at the solution; no search is repeated.
+// The dual numbers in a rotor and a flow define the directions of differentiation.  The root of (11), the folds and the
+// harmonics are differentiated by the implicit function theorem at the solution; no search is repeated.
 #pragma once
 
 #include "rotor.hpp"
 
 namespace propmap {
 
-// Derivatives per pass, in registers.  With 8, a pass for 4 derivatives takes 1.7 times as long.
+// Derivatives in one pass, few enough for the registers.  With 8, a pass for 4 derivatives takes 1.7 times as long.
 inline constexpr int together = 5;
 using Slope = Dual<double, together>;
 using LaneSlope = Dual<Lanes, together>;

@@ -10,7 +10,7 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // 960, the largest number in `Accuracy` (quadrature.hpp), plus two nodes per panel
+inline constexpr int most_nodes = 1100;  // more than 960, the largest number in `Accuracy`, plus two nodes per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
 inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, equal on all processors
 static_assert(width == block || width == 2 * block);
@@ -32,7 +32,7 @@ struct Disk {
     double radius(int node) const { return at[node / width].radius[node % width]; }
     int blocks() const { return (nodes + block - 1) / block; }
 
-    // Whether `several_roots` is evaluated in a group: in every third pair of blocks.
+    // Whether `several_roots` tests this group.  To save time, it tests every third pair of blocks, for any `width`.
     static bool counts_roots(int group) { return group * width / (2 * block) % 3 == 0; }
 
     // Call `each(node, panel, rule, k)` for node k of each panel.  Lanes after the last node repeat its panel and k.
@@ -87,8 +87,8 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
     edge[panels] = {tip};
     std::sort(edge.begin(), edge.begin() + panels, [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
     disk.panels = panels;
-    // Each of three panels has `least` nodes.  The other nodes are distributed in proportion to the length of the panels.
-    // With 12 nodes in a long inner panel, errors reached 0.13 %.
+    // If there are three panels, each has `least` nodes plus a share of the other nodes in proportion to its length.  (With
+    // 12 nodes in a long inner panel, errors reached 0.13 %.)  If there are more panels, all have the same number of nodes.
     constexpr int least = 8;
     int left = nodes;
     for (int p = panels - 1; p >= 0; --p) {
@@ -200,13 +200,12 @@ inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, i
         if (all.size() <= 8 || k % every == 0 || k + 1 == all.size()) radii.push_back(all[k]);
 }
 
-// Shares of the momentum thrust.  Heights below `small_height` are small.  Heights below `touching_height` may change
-// sign between two measured stations of the blade.  (Without `touching_height`, loads changed at 3 of 5,000
-// random points, at one of them by 0.8 % of the static load.)
+// Shares of the momentum thrust.  Heights below `small_height` are small.  Heights below `touching_height` may change sign
+// between measured stations.  (Without it, loads changed at 3 of 5,000 random points, at one by 0.8 % of the static load.)
 inline constexpr double small_height = 0.3, touching_height = 0.04;
 
-// Choose the blocks next to blocks near stall.  Exclude a block on two conditions: the height of the nearest hump is
-// positive and large, and its linear extrapolation to the block is more than half of this height.
+// Choose the blocks next to blocks near stall.  Exclude a block if the height of the nearest hump is positive and large, and
+// if the linear extrapolation of this height to the block exceeds half of this height.
 inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>& near_stall, const std::vector<Hump>& humps) {
     std::vector<bool> chosen(disk.blocks());
     for (int b = 0; b < disk.blocks(); ++b) {
@@ -222,7 +221,7 @@ inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>
     return chosen;
 }
 
-// The share of the gap between two humps at which another hump is computed, because folds may hide there; 0 for no hump.
+// The place of another hump between two humps that may hide folds, as a fraction of the gap; 0 if no hump is needed.
 // The height in between is interpolated by a cubic from values and derivatives.
 inline double place_between(const Hump& a, const Hump& b, double tip) {
     const double gap = b.radius - a.radius;
@@ -230,7 +229,8 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
     const Cubic cubic(a.height, a.slope * gap, b.height, b.slope * gap);
     const bool crosses = (a.height < 0.0) != (b.height < 0.0);
     const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
-    // An extreme of opposite sign or near zero may hide two folds.  So may any extreme if both heights are small and far apart.
+    // An extreme may hide two folds if it is near zero, if its sign differs from the sign of one or both heights, or if
+    // both heights are small and the humps are far apart.
     double t[2];
     for (int e = cubic.extremes(t) - 1; e >= 0; --e) {
         const double there = cubic.at(t[e]);
@@ -239,8 +239,8 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
         const double least = crosses ? 0.02 : 1e-6 * tip / gap;
         if (t[e] > least && t[e] < 1.0 - least) return t[e];
     }
-    // A top and a shoulder may be different humps.  The height then jumps between the two radii, and the difference of
-    // the heights differs from the difference that the slopes predict.  (Without this rule, loads changed at 2 of 5,000 random points by 3e-4.)
+    // A top and a shoulder may be different humps.  The height then jumps between the two radii, and its change differs
+    // from the prediction of the slopes.  (Without this rule, loads changed at 2 of 5,000 random points by 3e-4.)
     const double jump = b.height - a.height - 0.5 * gap * (a.slope + b.slope);
     if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < 4.0 * std::fabs(jump)) return 0.5;
     return (a.share < touching_height || b.share < touching_height) && gap > 0.012 * tip ? 0.5 : 0.0;
@@ -251,7 +251,7 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
 template <class R>
 void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
-    // The blade is assumed to stall at the sign for which the angle of attack without inflow is the largest share of stall.
+    // Choose the sign of stall for which the ratio of the angle of attack without inflow to the stall angle is largest.
     double positive = 0.0, negative = 0.0;
     for (const auto& at : disk.at) {
         const Lanes angle = angle_at(at, of.flow.omega * at.radius, broadcast(of.flow.v_axial));
@@ -331,8 +331,8 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and no
-    // forecast on the windmill branch.  (With the windmill branch, 3 of 100,000 random points erred by up to 0.4 % of the static load.)
+    // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and none on the
+    // windmill branch.  (With this forecast there, 3 of 100,000 random points erred by up to 0.4 % of the static load.)
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
 }
@@ -371,8 +371,8 @@ template <class R> Mask as_forecast(const Annuli<R>& of, const Station<Lanes>& a
     return settled | (stalled & beneath);
 }
 
-// Scan at one radius.  In climb, deep in reverse flow, stall covers most azimuths.  Few azimuths are sufficient there if
-// they find one root and all azimuths confirm its bracket.
+// Scan at one radius.  If V sin(beta) > Omega y, stall covers most azimuths.  In climb, a scan over few azimuths is then
+// sufficient, if it finds one root and all azimuths confirm the bracket of this root.
 template <class R> Scan scan_node(const Annuli<R>& of, double radius, Samples& samples) {
     if (of.flow.v_axial >= 0.0 && of.flow.v_inplane > of.flow.omega * radius && of.few.count < of.psi.count) {
         const Scan found = scan(of, radius, of.few, samples);

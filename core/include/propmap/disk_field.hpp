@@ -5,10 +5,10 @@
 
 namespace propmap {
 
-// Compute the fields over the disk at 1 to `most_nodes` radii [m] and azimuths `psi` [rad], from the solution `s`.  Each radius
-// has 4 numbers in `mean`: v_i, mean over azimuth [m/s], and thrust, drag and torque per radius [N/m], [N/m], [N].  Each
-// azimuth there has 6 numbers in `local`: v_i with harmonics [m/s]; the angle of attack from the chord line, and the same
-// minus the stall angle [rad]; (1) and (2) [m/s]; and the axial force per radius of one blade [N/m].
+// Compute the fields over the disk at 1 to `most_nodes` radii [m] and azimuths `psi` [rad], from the solution `s`.  Each
+// radius has 4 numbers in `mean`: v_i, mean over azimuth [m/s], and thrust, drag and torque per radius [N/m], [N/m], [N].
+// Each azimuth has 6 numbers in `local`: v_i with harmonics [m/s]; angle of attack from the chord line, and angle past the
+// stall angle, positive in stall of either sign [rad]; (1) and (2) [m/s]; and the axial force per radius of one blade [N/m].
 template <template <class> class LawOf>
 void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii, const std::vector<double>& psi,
                 double* mean, double* local) {

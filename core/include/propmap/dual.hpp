@@ -58,7 +58,7 @@ template <class A, class B, class V, class X, class Y> auto chain(const A& x, co
     }
 }
 
-// Compilers drop a product with one.
+// The derivatives of a sum are `one`; compilers remove the products with it.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
     const auto total = value(a) + value(b);
     const auto one = broadcast_like(total, 1.0);

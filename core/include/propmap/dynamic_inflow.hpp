@@ -21,8 +21,7 @@
 namespace propmap {
 
 // Direction of flight in the disk plane (x, y), and spin: 1 for a rotor that turns counter-clockwise, -1 for clockwise.
-// The rear of the disk is opposite to the direction of flight.  For spin = 1, the advancing side is to the right of the
-// direction of flight.
+// The rear of the disk is opposite to the direction of flight.  For spin = 1, the advancing side is to its right.
 struct Heading {
     double x, y, spin;
 
@@ -38,10 +37,9 @@ struct Heading {
 inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gradients along x and y of the rotor frame
 inline constexpr double negligible = 1e-13;  // harmonics below this share of the speed of the air are set to zero
 
-// Return the smallest number of nodes with an accurate static thrust in climb, hover and slow descent, with and without
-// in-plane flow.  The reference is the thrust with panels that follow stall; the difference is at most 0.2 % of the
-// thrust at rest.  A fold between two nodes has the effect of a fold in the middle of them.  Blades that stall
-// abruptly therefore require many nodes.
+// Return the smallest number of nodes whose static solution has an accurate thrust in climb, hover and slow descent, with
+// and without in-plane flow.  Up to 96 nodes, this thrust differs from that with panels that follow stall by at most
+// 0.2 % of the thrust at rest.  A fold acts as if it were midway between two nodes, so abrupt stall requires many nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
     const double radius = solver.rotor().tip();
@@ -100,9 +98,9 @@ template <template <class> class LawOf> class DynamicInflow {
         s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
 
-        // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow
-        // opposes the flow through the disk, the slope of an annulus may have either sign.  The step therefore uses a
-        // slope of at least half of the mass-flow parameter in size.
+        // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow opposes
+        // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses -dg/dv_i, limited from below to
+        // 2 pi y W with Glauert's speed W: half of the momentum thrust (10) per v_i.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         Loads<Lanes> sums{};  // over groups; the lanes are added at the end
@@ -131,7 +129,7 @@ template <template <class> class LawOf> class DynamicInflow {
                 if (later) later[to] = state[to] + step[k];
             }
 
-            // Loads in the inflow with the vortex ring and with harmonics.
+            // Loads for the inflow blended with the vortex-ring inflow, with harmonics.
             const Lanes used = ring > 0.0 ? (1.0 - ring) * v + ring * ring_inflow : v;
             Loads<Lanes> loads;
             for (int k = 0; k < Loads<Lanes>::count; ++k) loads.begin()[k] = uniform.begin()[k].v;

@@ -206,7 +206,6 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
 }
 
 // Change of the loads of an annulus due to skin friction along the blade, for a known inflow.
-//
 // In forward flight air also flows along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure drag do not
 // change (independence principle: Jones, NACA TR 884, 1947).  Friction acts along the whole velocity W: the viscous
 // drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R).  C_v is the law's drag at zero lift, at the

@@ -16,8 +16,8 @@ template <class S> struct DiskFlow {
     // Glauert's resultant speed W of the air at the disk [m/s].
     S speed() const { return square_root(speed_squared(v_inplane, v_axial + inflow)); }
 
-    // Part of the inflow that the upward flow of a descent cancels [m/s], from 0 to v_i.  If this part is the
-    // whole inflow, no air passes the disk.  The wake is then assumed to leave along the axis at the speed returned.
+    // The smaller of v_i and the upward flow -V cos(beta) of a descent [m/s], at least 0.  If both are equal, no air passes
+    // the disk.  `along` then assumes that the wake leaves along the axis at this speed.
     S recirculation() const {
         const S none = 0.0 * inflow;
         return maximum(minimum(S(-v_axial), inflow), none);

@@ -11,11 +11,11 @@ namespace propmap {
 // Upper limit of the inflow, divided by the hover inflow at the same thrust [-]: about the measured value in the vortex ring
 // state, where momentum theory has no solution.
 inline constexpr double largest_inflow = 2.0;
-// Upwash per circulation per length above which the upwash gain applies in full [-]; below it, the gain changes
-// smoothly to the gain of the downwash.
+// Upwash divided by the circulation per length, above which the upwash gain applies in full [-].  Below this value, the gain
+// changes smoothly to the gain of the downwash.
 inline constexpr double full_upwash = 0.005;
-// Upper limit of the upwash per circulation per length, including the gain [-].  At this limit the upwash equals the
-// inflow of the source rotor: the largest velocity outside a cylinder, which occurs at its surface.
+// Upper limit of the upwash divided by the circulation per length, including the gain [-].  At this limit, the upwash equals
+// the inflow of the source rotor.  It is the largest upwash outside the cylindrical wake and occurs at its surface.
 inline constexpr double largest_upwash = 0.5;
 inline constexpr double slow_flow = 0.5;  // in-plane velocity [m/s] above which the gains ahead and beside differ clearly
 inline constexpr int inflow_steps = 40;   // largest number of Newton steps, which converge monotonically from above
@@ -33,7 +33,7 @@ inline std::array<double, 2> glauert_inflow(double thrust, double axial, double 
         if (step == inflow_steps || !(std::fabs(next - v) > 1e-14 * v)) break;
         v = next;
     }
-    // The derivative of the hover inflow is infinite at zero thrust, so a least thrust limits it.
+    // The derivative of the hover inflow is infinite at zero thrust, so a minimum thrust limits this derivative.
     const double by_thrust = v < most ? 1.0 / (2.0 * disk * slope) : most / std::max(2.0 * thrust, 1e-6);
     return {std::min(v, most), thrust > 0.0 ? by_thrust : 0.0};
 }
@@ -51,7 +51,7 @@ struct WakeEffect {
 struct Interaction {
     struct Pair {
         std::size_t spline;
-        double bearing;   // of the target in the frame of the source, where the bearing of the spline is zero [rad]
+        double bearing;   // of the target in the frame of the source [rad]; bearings in the spline are relative to it
         bool slipstream;  // whether the rotors are above each other: gains then do not apply
     };
     std::vector<std::array<Vector3, 3>> frames;  // of each rotor: two directions in the disk, and the axis
@@ -97,7 +97,7 @@ struct Interaction {
                     const double down = pair.slipstream ? 1.0 : with.downwash;
                     const double gained = down * (seen - rising) + largest_upwash * relative;
                     const double by_share = (down * (1.0 - steep) + limited * gain * steep) * by_skew * straighter;
-                    // The velocity is 2 v K(share v): strength and direction of a wake depend on the inflow v.
+                    // The velocity is 2 v K.  K, here `gained`, depends on the skew of the wake and thus on share times v.
                     e = {2.0 * v * gained, 2.0 * (gained + with.share * by_share) * by_thrust,
                          {2.0 * v * along * limited * rising, 2.0 * v * (1.0 - along) * limited * rising,
                           pair.slipstream ? 0.0 : 2.0 * v * (seen - rising), 2.0 * v * by_share}};

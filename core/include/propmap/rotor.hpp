@@ -61,9 +61,8 @@ template <template <class> class LawOf> class RotorSolver {
     using Modeled = Rotor<double, LawOf>;
 
     RotorSolver(Modeled rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Tails are compared with static loads, stored divided by Omega^2.  If the blade stalls in static
-        // operation, static loads are small.  The solver therefore assumes mean coefficients of at least 0.1 (lift) and
-        // 0.01 (force against the rotation).
+        // Tails are compared with static loads, stored divided by Omega^2.  Static loads of a blade that stalls at rest are
+        // small.  Mean coefficients are therefore assumed to be at least 0.1 (lift) and 0.01 (force against the rotation).
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};
@@ -169,8 +168,7 @@ template <template <class> class LawOf> class RotorSolver {
         solve_nodes(of, s.disk, s.folds);
     }
 
-    // The larger of the tails of thrust and torque, relative to the static load at Omega.  If V/R is larger, the static
-    // load is that at the rotational speed V/R.
+    // The larger of the tails of thrust and torque, relative to the static load at Omega or V/R, whichever is larger.
     double tail_share(const Solution& s) const {
         const auto& f = s.flow;
         const double wind = (f.v_axial * f.v_axial + f.v_inplane * f.v_inplane) / (rotor_.tip() * rotor_.tip());
@@ -303,8 +301,8 @@ template <template <class> class LawOf> class RotorSolver {
         s.torque_tail = rotor_.density * tail(s, integrand + most_nodes);
     }
 
-    // Solve for the harmonics and the loads, which depend on each other.  Newton's method solves three equations from
-    // zero, first over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
+    // Solve for the harmonics and the loads, which depend on each other.  Newton's method starts from zero harmonics, first
+    // over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()).faded(1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();

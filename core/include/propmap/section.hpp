@@ -73,7 +73,7 @@ template <class S> struct BlendedLaw {
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle + drag_angle; }
     template <class R> double lift_growth_at(const R&) const { return 1.0; }
     template <class R> double drag_growth_at(const R&) const { return 1.0; }
-    template <class R> static auto log_reynolds(const R& reynolds) {  // constant outside the range of the identified propellers
+    template <class R> static auto log_reynolds(const R& reynolds) {  // constant outside the range of identified propellers
         const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
                                     broadcast_like(value(reynolds), 1.2e5));
         return logarithm(within * (1.0 / 5e4));
@@ -193,9 +193,9 @@ template <class S> struct TabulatedLaw {
         return k;
     }
 
-    // A place among the Reynolds numbers: a number of the table, and the fraction of the way to the next number.  A
-    // coefficient, and its derivative with respect to ln(Re), are sums over `count` values, weighted by `at` and `slope`:
-    // the coefficient and its derivative with respect to ln(Re) at the first number, and the same at the next number.
+    // A place among the Reynolds numbers of the table: index `row` of the one below, and fraction of the interval in ln(Re).
+    // A coefficient is the sum of `count` table values with the weights `at`.  With the weights `slope`, the sum is its
+    // derivative with respect to ln(Re).  The values are coefficient and derivative at `row`, then at the next number.
     struct Place {
         std::size_t row;
         int count;

@@ -14,7 +14,7 @@ template <class S> struct Flow {
     S height = S{} + INFINITY;   // of the disk above the ground [m]
     S ceiling = S{} + INFINITY;  // distance of a ceiling above the disk [m]
 
-    // The variables that users set, with names, in the order of the rows of the array of operating points (`Points`, bind.cpp).
+    // The variables that users set, with names, in the order of the rows of operating points (`Points`, bind.cpp).
     static constexpr int variables = 5;
     template <class Visit> void each_variable(Visit visit) {
         visit("omega", omega), visit("v_axial", v_axial), visit("v_inplane", v_inplane), visit("height", height);

@@ -17,7 +17,7 @@ template <class Y, class F, class V> auto momentum_thrust(const Y& radius, const
     return (4.0 * pi) * radius * inflow * w;  // Eq. (10)
 }
 
-// The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis, eq. (10) rises
+// The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis, (10) rises
 // up to the first turning point.  In axial flow, the far wake stands still there.  Momentum theory holds up to this point.
 template <class S> struct TurningPoints { S first, second; };
 template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_inplane) {
@@ -28,7 +28,6 @@ template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_
 }
 
 // Eq. (10) made to rise with v_i everywhere, for the windmill branch.
-//
 // Up to the first turning point it is (10) unchanged.  Beyond, the falling part is mirrored upwards.  In axial flow the
 // mirrored curve is a parabola: the value at the turning point plus 4 pi y (v_i - first)^2.  Like Buhl's empirical curve
 // (NREL/TP-500-36834, 2005), it reaches C_T = 2 at v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged
@@ -113,7 +112,6 @@ class StaticInflow {
 };
 
 // The vortex ring: the region of descent in which a measured inflow, based on (12), replaces momentum theory.
-//
 // The paper uses (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would then jump at beta = 90 deg: in fast
 // flight with a trace of descent, the in-plane flow carries the wake away and (10) holds.  So (12) is used in the
 // region of Johnson, NASA/TP-2005-213477, table 4 (points D, N, X, E, M), in units of the static inflow v_h, with
@@ -123,7 +121,8 @@ namespace vortex_ring {
 
 inline constexpr double onset = -0.2, full_from = -0.45, full_to = -1.5, gone = -2.0;  // V cos(beta)/v_h
 inline constexpr double fade_from = 0.5, nose = 0.95;  // V sin(beta)/v_h
-// At this V cos(beta)/v_h the windmill branch replaces the helicopter branch; the vortex-ring inflow hides the switch.
+// At this V cos(beta)/v_h the windmill branch replaces (10).  Loads do not jump: up to `fade_from`, only the vortex-ring
+// inflow is used here; above it, both thrusts are equal, because the angle to the axis exceeds 19.5 deg.
 inline constexpr double windmill_below = -0.95;
 
 template <class S> S rise(const S& t) {  // a smooth step from t = 0 to t = 1

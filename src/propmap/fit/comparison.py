@@ -94,8 +94,8 @@ def compare_tunnel(
 
 @dataclass(frozen=True, eq=False)
 class FlightForces:
-    """Forces except gravity at n samples, as mass times specific force at the accelerometer [N],
-    and moments about the center of mass [N m], in the vehicle frame."""
+    """Predicted forces [N], except gravity, and moments about the center of mass [N m], in the
+    vehicle frame.  ``model`` includes the errors of the accelerometer, ``flight.sensor_force``."""
 
     model: Floats  # (n, 6)
     hover: Floats  # (n, 6)
@@ -147,13 +147,14 @@ BAND = 1.96  # half width of a 95 % band, in standard deviations
 class ForceErrors(NamedTuple):
     """Forces [N] and moments [N m] by a flight fit at n samples, and the sources of their errors.
 
-    The errors of P parameters are the same for all samples of a flight.  The first six parameters
-    are the errors of each load beyond the data of the fit; the last parameter is a drag factor.
+    P parameters have errors that are constant over a flight.  The first six parameters have unit
+    variance: each scales the extrapolation error of one load beyond the data of the fit.  The last
+    parameter is the drag factor of ``DRAG_DEVIATION``.
     """
 
     loads: Floats  # (n, 6)
     slopes: Floats  # derivatives with respect to the parameters, (P, n, 6)
-    covariance: Floats  # of the parameters, with their differences between flights, (P, P)
+    covariance: Floats  # of the parameters, including differences between flights, (P, P)
     left: Floats  # standard deviations of all other errors, (n, 6); NaN for loads not fitted
     excluded: tuple[str, ...]  # free parameters that the data of the fit do not determine
 
@@ -174,7 +175,7 @@ def fitted_forces(
     """Return forces and moments by a flight fit, and derivatives with respect to ``names``; the
     parameters ``values`` replace those of the fit."""
     record, law = file.record, parameters.constants_of(file.airfoil)
-    # Exclude the parameters of single flights, because another flight may have the same name.
+    # Exclude parameters of single flights: a flight of ``log`` may have the name of a fitted one.
     every = [p for p in record.parameters if parameters.general(p.name) == p.name]
     found = {p.name: p.value for p in every}
     own = {name: getattr(law, name) for name in parameters.SECTION}
@@ -194,9 +195,10 @@ def force_errors(
     - the differences between flights
     - the cross-validated error
 
-    The cross-validated error grows with the force on the vehicle.  Beyond the data of the fit, it
-    grows with V/(Omega R) instead if that growth exceeds the growth with the force.  The additional
-    part is fully correlated between all samples.  Return None for a fit of other data.
+    The cross-validated error is multiplied by the largest of 1 and two ratios.  One ratio is the
+    predicted force over the rms of the measured force in the data of the fit.  The other ratio is
+    V/(Omega R) over its maximum in these data.  The error that the second ratio adds is fully
+    correlated between all samples.  Return None for a fit to a tunnel test or to level flights.
     """
     record = file.record
     if record.kind != "flight":
@@ -225,7 +227,7 @@ def force_errors(
             size = size if np.isfinite(size) else fitted[name].rms
             left[:, k], extrapolated[k, :, k] = np.sqrt(growth) * size, np.sqrt(further) * size
     slopes = np.stack([*extrapolated, *by_name, across])
-    # This flight and the mean of the flights of the fit differ from the mean over all flights.
+    # The variances of this flight and of the mean over F fitted flights add: factor 1 + 1/F.
     share = 1.0 / max(1, len(record.data) - 1)  # the last item is the vehicle file
     spread = (1.0 + share) * np.square([*parameters.PER_FLIGHT.values(), DRAG_DEVIATION])
     end = 6 + len(known.names)
@@ -361,7 +363,8 @@ JUDGED = ("thrust", "torque")
 
 MODEL_ERROR = 0.03
 """Error of the model with the best constants, as a share of the static load.  With this value, the
-intervals are correct after a fit to static rows: ``python -m tools.after_static``."""
+95 % intervals after a fit to static rows contain 95 % of a propeller's rows in axial flight:
+``python -m tools.after_static``."""
 
 SMALL = 0.1  # share of the static load below which relative uncertainties are meaningless
 
@@ -435,14 +438,14 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 
 # --- Effect of one more free parameter on a fit: wrong assumptions, terms of the body ------------
 
-REMARKABLE = 0.7  # a remark is made below this ratio: residuals without / with an assumption
+REMARKABLE = 0.7  # an assumption is wrong if a fit without it has less than this share of residuals
 POOR = 0.03  # relative residual above which assumptions are checked
 
 ASSUMPTIONS = {
     "zero_lift_angle": "C_L(0) = 0, an uncambered section",
     "c_d0": "c_d0 = 0.01, the constant drag",
-    "mount_area": "rotor drag without parts in the slipstream",
-}  # assumptions of a fit in which the parameter is not free
+    "mount_area": "no drag of parts in the slipstream",
+}  # text of each assumption, by the parameter that is free in a fit without the assumption
 
 BODY_TERMS = ("lift_area", "drag_area_x")
 
@@ -478,7 +481,7 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], R
     """Return sentences on whether lift and drag of the body improve a fit that excludes them.
 
     Section III.A defines the terms.  A term improves the fit if its interval excludes zero and the
-    residuals decrease.  ``rows_for`` returns the rows for another choice of parameters.
+    residuals decrease by ``LEAST_FALL``.  ``rows_for`` returns the rows for another choice.
     """
     sentences = []
     size = rms(fitted.minimum.residual)
@@ -502,7 +505,7 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], R
 
 
 def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
-    """Return the choice with one more free parameter, the last, and all initial values."""
+    """Return the choice with the further free parameter ``name``, and initial values (P + 1,)."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
     return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
@@ -548,7 +551,7 @@ class Trend:
     variable: str  # name with unit
     at: Floats  # values of the variable, (n,)
     residual: Floats  # model minus measurement, (n,)
-    block: NDArray[np.intp]  # numbers of segments within which errors may be correlated, (n,)
+    block: NDArray[np.intp]  # segment of each sample, (n,); errors may be correlated in a segment
     slope: float  # by least squares
     error: float  # block-wise standard error of the slope
     share: float  # share of the residual's variance that the slope explains [-]
@@ -617,8 +620,8 @@ SURE = 2.0  # least change of the mean square error for a verdict, in standard e
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight with low-passed and with raw signals.  For either kind of signals, it may
-    contain the forces [N] (n, 3) that another model predicts."""
+    """One flight with low-passed and with raw signals.  The optional predictions are
+    forces [N] (n, 3) of another model, for either kind of signals."""
 
     name: str
     passed: FlightLog  # low-passed signals
@@ -729,7 +732,7 @@ def judged(fall: float, deviation: float) -> str:
 
 
 def measured_off(vehicle: Vehicle, flown: RecordedFlight) -> AxisErrors | None:
-    """Return the errors of the prediction of another model for a flight; None without one."""
+    """Return the errors of the predictions in ``flown``; None if there are no predictions."""
     if flown.prediction is None or flown.raw_prediction is None:
         return None
     return AxisErrors(
@@ -760,11 +763,11 @@ def _off(
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Return parameters for the flights of a ``log`` from ``paths``, and remarks.
+    """Return parameters for the flights of ``log``, recorded in the files ``paths``, and remarks.
 
-    The parameters of a flight of the fit are the fitted ones.  Those of another flight are the
-    means over the flights of the fit.  If this flight contains hover, its thrust scale is estimated
-    from the hover, and used if it is significant.
+    A flight of the fit keeps its fitted parameters.  A new flight has the means over the flights of
+    the fit.  If a new flight contains hover, its thrust scale is estimated from the hover.  A scale
+    that differs significantly from 1 replaces the mean.
     """
     logs = file.record.data[:-1]  # the last item is the vehicle file
     names = flight_names([source.file for source in logs])

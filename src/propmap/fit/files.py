@@ -87,7 +87,7 @@ class FitFile:
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
         """Return how far points are outside the data of the fit; None without an envelope.
 
-        ``flow`` contains the arrays of ``Envelope.beyond``, and ``radius`` is R [m].
+        ``flow`` contains omega, axial and inplane of ``Envelope.beyond``, and ``radius`` is R [m].
         """
         known = self.record.envelope
         return None if known is None else known.beyond(*flow, radius)
@@ -253,7 +253,7 @@ def _load(
 
 # --- The table ``[fit]`` of a fit file; the same classes write and read it -----------------------
 
-BY_NAME = ("parameters", "residuals")  # tables by name in the file, lists in a record
+BY_NAME = ("parameters", "residuals")  # fields of ``FitRecord``: lists here, tables in the file
 
 
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -408,7 +408,7 @@ def read_record(table: Any) -> FitRecord:
 
 
 def _listed(tables: Any) -> Any:
-    """Return a list of named tables for tables by name; return any other value unchanged."""
+    """Convert a mapping of tables to a list with keys as ``name``; keep other values unchanged."""
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]

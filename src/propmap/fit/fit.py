@@ -211,7 +211,7 @@ def _typical_error(
 def _cross_validate(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Return model minus measurement (M,) of each row, from fits without the unit of the row."""
+    """Return model minus measurement (M,), from fits without the segment or point of each row."""
     left_out = np.full(rows.measured.size, np.nan)
     if settings.folds < 2 or np.unique(rows.point).size < 2 * settings.folds:
         return left_out
@@ -242,7 +242,7 @@ class _Refit(RowsElsewhere):
 
 
 def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
-    """Return the parameters (B, P) from refits to units drawn with replacement."""
+    """Return the parameters (B, P) from refits to segments or points drawn with replacement."""
     rng = np.random.default_rng(settings.seed + 1)
     labels, index = np.unique(refit.rows.unit, return_inverse=True)
     drawn = [
@@ -265,7 +265,7 @@ STANDSTILL = 0.1  # speed [m/s] below which the angle beta is meaningless
 BAND = 15.0  # width of the bands of the angle beta [deg]; the center of the first band is 0
 FEW = 0.02  # smallest share of the points in motion that covers a band of beta
 
-HOVER_BELOW, NARROW = 1.0, 2.0  # largest speed of hover, largest range called one speed [m/s]
+HOVER_BELOW, NARROW = 1.0, 2.0  # largest speed in hover, least speed range without warning [m/s]
 
 
 class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -152,7 +152,7 @@ def _rows(
         turning = [name for name in free if name in TURNING]
         refuse(turning, "is free, but the fit has no moments", remedy)
     if any(mount.drag is not None for mount in model.vehicle.mounts):
-        remedy = "remove the [mount] table, or do not free or fix the parameter"
+        remedy = "remove the [mount] table, or leave the parameter out of --free and --fix"
         mounted = [name for name in given if name in MOUNT]
         refuse(mounted, "is a parameter of the fit, but the vehicle file has it, too", remedy)
     if len(model.vehicle.mounts) == 1:
@@ -190,7 +190,7 @@ def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
 
 
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
-    """Return the hover model for the ``rows`` (M,) made from ``model``.
+    """Return the loads (M,) of the hover model for the ``rows`` of ``model``.
 
     The rotor with the parameters ``values`` provides the constants of the hover model.
     """
@@ -297,7 +297,7 @@ class ForceModel:
         if not free:
             return six_loads(self.flow, loads), slopes
         by_axial = by_here[:, -1]
-        # Parameters of the section also change the thrust, and the wakes with the thrust.
+        # Parameters of the section also change the thrust, and the thrust changes the wakes.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
         slopes[at_section] = six_loads(self.flow, by_section)
@@ -310,7 +310,7 @@ class ForceModel:
     def _attached(
         self, values: Mapping[str, float], names: tuple[str, ...]
     ) -> tuple[Floats, Floats]:
-        """Return the attached thrust (n, m), which determines wakes, and derivatives (P, n, m)."""
+        """Return the thrust of unstalled blades (n, m), which sets the wakes; slopes (P, n, m)."""
         flow = self.flow
         known = {name: value for name, value in values.items() if name not in MOUNT}
         lifting = [name for name in names if name in LIFT]
@@ -423,7 +423,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 # --- Forces of the body and the wing on the vehicle: section III.A and footnote 4 ----------------
 
 STEPS = dict.fromkeys(BODY, 1e-3) | {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
-"""Steps of central differences; the forces are linear in all parameters except the last."""
+"""Steps of central differences; the forces are nonlinear only in ``wing_alpha_0``."""
 
 
 def wing_values(vehicle: Vehicle) -> dict[str, float]:
@@ -478,8 +478,8 @@ BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 def sensor_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Return mass times the excess of the accelerometer reading over the acceleration of the center
-    of mass [N] (n, 3), and slopes (P, n, 3).
+    """Return mass times the excess of the accelerometer reading over the specific force at the
+    center of mass [N] (n, 3), and slopes (P, n, 3).
 
     The position in ``values`` adds to that of the vehicle file.  Steady operating points have no
     time derivatives, so the vehicle file's position is ignored for them.  Raise an ``InputError``
@@ -528,7 +528,7 @@ PREFIX = "wake_"
 def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     """Return the wakes of the vehicle with the parameters of ``WAKES`` in ``values``.
 
-    Return None without wakes and parameters: then the rotors do not affect each other.
+    Return None if neither ``vehicle`` nor ``values`` has wakes: then no rotor affects another.
     """
     given = {name.removeprefix(PREFIX): values[name] for name in WAKES if name in values}
     if not given:
@@ -537,12 +537,12 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 
 FAST = 0.5
-"""Least ratio of the airspeed of a flight to the inflow in hover at which wakes and body of a fit
-are free [-].  At slower speeds, wakes are within 27 deg of the rotor axis.  One prior standard
-deviation of the body changes the force by at most 2.5 % of the weight.  Errors of the thrust are as
-large.  A fit to Neural-Fly flights at ratios up to 0.3 attributes such errors to wakes and body.
-With wakes, it predicts only a quarter of the thrust at 4.2 m/s; with the body, two thirds of the
-thrust at 8.5 m/s."""
+"""Ratio of the largest airspeed to the inflow in hover above which a fit frees wakes and body [-].
+At lower ratios, wakes are within 27 deg of the rotor axis.  One prior standard deviation of a body
+area changes the force by at most 2.5 % of the weight.  Errors of the thrust are as large.  A fit to
+Neural-Fly flights at ratios up to 0.3 attributes such errors to wakes and body.  With free wake
+parameters, this fit predicts only a quarter of the measured thrust at 4.2 m/s.  With free body
+areas, this fit predicts two thirds of the measured thrust at 8.5 m/s."""
 
 
 def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
@@ -556,9 +556,9 @@ def is_fast(vehicle: Vehicle, log: FlightLog) -> bool:
 # The thrust scale of a flight from its hover: effect of battery, mass and rotor speed errors.
 #
 # In hover, the thrust of a rotor is proportional to the square of its speed.  The hover ratio of a
-# flight is its measured thrust / sum of squared rotor speeds.  It differs between flights by
-# errors of rotor speeds or forces, not of the model.  The hover ratio, divided by the ratio of all
-# flights of a fit, gives the factor ``thrust_scale[FLIGHT]`` on the rotor loads.
+# flight is its measured thrust / sum of squared rotor speeds.  Its differences between flights
+# are due to errors of rotor speeds or forces, not of the model.  The hover ratio, divided by the
+# ratio of all flights of a fit, gives the factor ``thrust_scale[FLIGHT]`` on the rotor loads.
 
 SLOW, LEVEL_RATE, QUIET = 1.0, 0.5, 0.15
 """Limits of hover: speed [m/s], angular rate [rad/s], and difference of the specific force from
@@ -657,7 +657,7 @@ def of_each(name: str, log: FlightLog) -> tuple[str, ...]:
 def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats:
     """Return the parameter ``name`` of ``PER_FLIGHT`` at each sample (n,).
 
-    A flight without its own value has the value of all flights.
+    For a flight without its own value, use the value of ``name`` without ``[FLIGHT]``.
     """
     common = values.get(name, EVERY[name].start)
     each = [values.get(one, common) for one in of_each(name, log)]

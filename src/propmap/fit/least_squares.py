@@ -18,13 +18,14 @@ from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
-NOISE_FLOOR = 1e-3  # least error of a residual / its scale: the numerical error of the loads
+NOISE_FLOOR = 1e-3  # least error of a residual as a share of its scale: numerical error of loads
 # In units of ``Parameter.spread``:
 SAME_MINIMUM = 1e-3  # largest distance between end points of searches that found the same minimum
 DIFFERENCE = 1e-5  # step of difference quotients
 ON_BOUND = 1e-9  # a parameter closer to a bound is moved to the bound
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations of each search, and of the finer one
-FINE = 1e-6, 1e-8  # a search ends below this step or gain; both exceed errors of derivatives
+# Relative step and gain that end a fine search.  Errors of the derivatives prevent smaller steps.
+FINE = 1e-6, 1e-8
 REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
 FAR = 1.5  # largest distance of initial values from the prior mean, in its standard deviations
 MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
@@ -82,8 +83,8 @@ class Evaluator:
         return np.concatenate([self.at(x, ())[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """Return difference quotients (M + K, P) of ``computed``; they differ from ``jacobian`` by
-        a few percent for a steeply rising inflow, see "Known limits" in docs/theory.md."""
+        """Return difference quotients (M + K, P) of ``computed``.  Unlike
+        ``jacobian``, they exclude the errors of gradients in docs/theory.md, "Known limits"."""
         from scipy.optimize import approx_fprime
 
         step = DIFFERENCE * self.choice.column("spread")
@@ -92,9 +93,9 @@ class Evaluator:
 
 
 def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
-    """Return the factor on the residuals of priors: ``error``, the standard deviation of a
-    residual, for independent rows.  With groups or a prior from other propellers it is larger,
-    because the rows count as only ``rows.independent`` measurements."""
+    """Return the factor on the residuals of priors.  For independent rows, the factor is ``error``,
+    the standard deviation of a residual.  With groups or a prior from other propellers, the factor
+    is larger, because the rows count as only ``rows.independent`` measurements."""
     if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
@@ -174,8 +175,8 @@ def search(
         if len(begin) > 1:
             best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
-            # Near a perfect fit, errors of the derivatives would end the search early.  If priors
-            # or noise leave larger residuals, the first step gains little and ends the search.
+            # Near a perfect fit, errors of derivatives end a search early.  Difference quotients
+            # continue it.  If priors or noise leave residuals, the limit 1e-4 soon ends the search.
             best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact=True), best, key=_cost)
     x = best.x
     for bound in (lower, upper):
@@ -223,7 +224,7 @@ INDEPENDENT = 10.0
 independent measurements.  Adjacent rows share the errors of the model and of the test stand."""
 
 INDEPENDENT_AT_REST = 4.0  # the same for static rows, which differ only in rotational speed
-REMEMBERED = 16  # number of stored evaluations, more than one refit needs
+REMEMBERED = 16  # number of stored evaluations; a refit needs fewer
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,12 +333,12 @@ class Rows:
         return np.asarray(table[self.point, self.load])
 
     def of_load(self, load: int) -> NDArray[np.bool_]:
-        """Return whether each row (M,) belongs to the load number ``load`` and has a weight."""
+        """Return whether each row (M,) has the load number ``load`` and a weight above 0."""
         return (self.load == load) & (self.weight > 0.0)
 
     @property
     def counts(self) -> NDArray[np.intp]:
-        """Number of rows with a weight, for each load (L,)."""
+        """Number of rows with a weight above 0, for each load (L,)."""
         return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
 
     @property

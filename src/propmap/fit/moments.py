@@ -5,9 +5,9 @@ aerodynamic moment about its center of mass is
 
     M = J dw/dt + w x J w + I_r sum_i s_i (dOmega_i/dt a_i + Omega_i w x a_i) .
 
-For a center of mass at c in the frame of the vehicle file, a force F changes M by -c x F.  Two
-factors on the modeled moment, one about x and y and one about z, correct errors of arms and
-inertia, and the effect of the flow on differences between the rotors.
+For a center of mass at c in the frame of the vehicle file, a force F changes M by -c x F.  One
+factor scales the modeled moment about x and y, a second factor the moment about z.  The factors
+lump errors of arms and inertia with unmodeled aerodynamic moments that the rotors balance.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FACTORS = {
 
 
 def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
-    """Return the moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3).
+    """Return the measured moment J dw/dt + w x J w [N m] (n, 3), without the spin of the rotors.
 
     NaN for a vehicle without moments of inertia and for a log without time derivatives.
     """
@@ -53,7 +53,7 @@ def moment_of_all(
 ) -> tuple[Floats, Floats]:
     """Return the modeled counterpart (n, 3) [N m] of ``measured_moment``, and slopes (P, n, 3).
 
-    The parameters of ``TURNING`` in ``values`` add to the values of the vehicle file.  ``loads``
+    Center of mass and rotor inertia in ``values`` add to those of the vehicle file.  ``loads``
     (n, 6) contains the aerodynamic force on the vehicle [N] and the moment of the rotors about the
     center of mass of the file [N m].  ``slopes`` (P, n, 6) contains the derivatives of ``loads``.
     """

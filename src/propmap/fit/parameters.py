@@ -57,20 +57,20 @@ WAKES = _listed("wakes")  # the vehicle file supplies values that a fit does not
 FLIGHT, THROTTLE = _listed("flight"), _listed("throttle")
 ROTOR_SPEED = "rotor_speed_scale"
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
-"""Parameters that act only in flight, without the wing: the table ``[fit.body]`` of fit files."""
+"""Parameters that act only in flight, except the wing's: table ``[fit.body]`` of fit files."""
 
 PER_FLIGHT = {
     "thrust_scale": 0.02,  # batteries, payloads and temperatures
     "clock_offset": 0.01,  # [s]; sensor filters cause delays of some milliseconds
-    # [rad]; trim of the attitude, and errors of marker frames
+    # [rad]; trim of the attitude, and tilt of the body frame of motion-capture markers
     "sensor_tilt_x": 0.01,
     "sensor_tilt_y": 0.01,
 }
 """Parameters with one value per flight, as in ``thrust_scale[FLIGHT]``, and their prior standard
 deviations over flights.
 
-With these tilts and ``comparison.DRAG_DEVIATION``, the interval score over held-out flights of two
-vehicles is within 4 % of the smallest score (``tools.flight_bands``)."""
+``tools.flight_bands`` varies the deviations of the sensor tilts and ``comparison.DRAG_DEVIATION``.
+With the values in use, the interval score over held-out flights is within 4 % of the smallest."""
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 _NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE
@@ -103,7 +103,7 @@ class Prior:
 
 
 IN_FLIGHT = {name: Prior(*known) for name, known in _TABLES["in_flight"].items()}
-"""Priors in fits of whole flights that do not depend on the size of the vehicle."""
+"""Priors for fits of whole flights; the same priors for vehicles of all sizes."""
 
 
 @dataclass(frozen=True)
@@ -237,15 +237,16 @@ this value, the 95 % intervals after a fit to static rows contain 95 % of a prop
 
 LEAST_IN_FLIGHT = 0.01
 """``LEAST_ERROR`` of the forces in whole flights, as a share of the weight.  It is smaller because
-side forces are a few hundredths of the weight, and segments already count correlated samples."""
+side forces are a few hundredths of the weight.  Also, each segment of correlated samples counts as
+one measurement."""
 
 
 @dataclass(frozen=True, eq=False)
 class SectionPrior:
     """Distribution of section constants over propellers, as the prior of one propeller.
 
-    The constants are correlated.  The angle of least drag, measured from the chord line, is similar
-    for all propellers.  Therefore ``drag_angle`` falls as ``zero_lift_angle`` rises.
+    The constants are correlated.  ``zero_lift_angle`` + ``drag_angle``, the angle of least pressure
+    drag from the chord line, is similar for all propellers: one falls as the other rises.
 
     Attributes
     ----------
@@ -272,8 +273,10 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
-        """Return residuals (K,) of the coordinates ``kept``, independent and of variance 1 in this
-        distribution, at the constants ``values``, and their slopes (K, 7)."""
+        """Return residuals (K,) of the coordinates ``kept`` at ``values``, and slopes (K, P).
+
+        In this distribution, the residuals are independent and have the variance 1.
+        """
         scores, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])

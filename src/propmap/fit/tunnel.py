@@ -228,7 +228,7 @@ def _check(
 
 
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
-    """Return the hover model of the ``rotor`` for the ``rows`` (M,) made from ``data``."""
+    """Return the loads (M,) of the hover model of ``rotor`` for the ``rows`` of ``data``."""
     loads = HoverModel.from_rotor(rotor).loads(data.omega)
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))
 
@@ -281,8 +281,8 @@ SAME_POWER = 0.03  # largest relative difference between electrical power and vo
 
 
 def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
-    """Read loads of a test, ``at_rest`` or not; return a function of propeller and air, which
-    converts coefficients."""
+    """Read the loads of a test; return a function of propeller and air that returns these loads,
+    with coefficients converted to N or N m.  ``at_rest`` is an argument of ``read_points``."""
     if looks_like_coefficients(path):
         return functools.partial(_of_coefficients, path.name, read_coefficients(path))
     further = (*LOAD_COLUMNS, "power_W", "voltage_V", "current_A")

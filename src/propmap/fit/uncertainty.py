@@ -64,16 +64,16 @@ def uncertainty(
 ) -> Uncertainty:
     """Return the Gauss-Newton uncertainty, with errors as large as the residuals of each load.
 
-    ``block_errors`` counts each segment of correlated errors as one.  With a prior from other
-    propellers, errors of rows are correlated and at least ``LEAST_ERROR``.  ``error`` is then the
-    ``error`` argument of ``search``.
+    For rows in segments, ``block_errors`` counts each segment as one measurement.  For other rows
+    with a prior from other propellers, errors are correlated and at least ``LEAST_ERROR``.  Fits
+    with such a prior use ``error``, the argument of ``search``.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
     x = found.x
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     seen = np.linalg.norm(found.slopes, axis=0) * spread
-    # Data that do not determine a parameter do not push it against a bound.
+    # A parameter at a bound is held by the data, unless the residuals do not depend on it.
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
@@ -169,8 +169,8 @@ def _stretched(
 ) -> Floats:
     """Return ``ends`` (2, P) of intervals, in units of ``Parameter.spread``.
 
-    Widen the interval of a parameter in ``narrow`` if linearization at its end predicts a smaller
-    sum of squares there than linearization at the minimum.
+    The sum of squares at each end of a parameter in ``narrow`` is computed by linearization at the
+    minimum and by linearization at that end.  If the second result is smaller, widen the interval.
     """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)

@@ -1,4 +1,4 @@
-"""Plausibility checks of the rotor speeds of a log: unit, order of the rotors, one vehicle."""
+"""Plausibility checks of logged rotor speeds: unit, order of rotors, same vehicle in all logs."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
 roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
-pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow, so that correct speeds
-(factor 1) are not taken for electrical rpm with 2 pole pairs (factor 2)."""
+pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow: if the thrust of the law is
+much too large, correct speeds must not look like electrical rpm of motors with 2 pole pairs."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
 CARRIED = Range(0.4, 2.5)  # thrust / weight outside this range causes a warning
-POSSIBLE = Range(0.2, 5.0)  # outside this range it is an error, impossible for any blade
+POSSIBLE = Range(0.2, 5.0)  # thrust / weight outside this range is an error: no blade explains it
 PWM = Range(900.0, 2200.0)  # pulse widths of commands to motor controllers [us]
 
 
@@ -47,9 +47,9 @@ def check_rotor_speed(
     """Return warnings if the thrust from the rotor speeds in slow flight differs from the weight.
 
     The ``rotor`` has a nominal section law.  ``rotor_unit`` is the unit in the vehicle file,
-    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise ``InputError`` if a
-    rotor stands still or if a wrong unit explains the difference.  Also raise ``InputError`` if the
-    thrust is outside 0.2 to 5 times the weight.
+    "rad/s", "rpm" or "erpm"; the stated unit distinguishes unit errors with similar factors.  Raise
+    ``InputError`` if a rotor stands still or if a wrong unit explains the difference.  Also raise
+    ``InputError`` if the thrust is outside 0.2 to 5 times the weight.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
@@ -59,8 +59,8 @@ def check_rotor_speed(
             raise InputError(fault, remedy, log.source)
     slow = log.picked(slow_flight(log))
     share = _thrust_share(slow, rotor, vehicle)
-    found = f"in slow flight the rotors would carry {share:.3g} times the weight "
-    found += f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
+    found = f"the rotor speeds, on average {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm, "
+    found += f"would carry {share:.3g} times the weight in slow flight"
     if unit_errors(1.0 / share, CARRIED, UNIT_ERRORS["mass"]):
         fault = f"{found}: the mass of {vehicle.mass:g} kg looks like grams"
         raise InputError(fault, "write kilograms in the vehicle file", log.source)
@@ -103,7 +103,7 @@ def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
 
 
 def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
-    """Return the mean force of the rotors along the z axis of the vehicle / the needed force."""
+    """Return the ratio of rotor force to mass times specific force, along z of the vehicle."""
     up = np.mean(log.up[:, 2])
     measured = np.mean(log.specific_force[:, 2])
     needed = vehicle.mass * (GRAVITY / up if np.isnan(measured) else measured)
@@ -123,7 +123,7 @@ def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, 
 
     ``pulses`` is true for numbers in the range of PWM.
     """
-    pwm, measured = "like PWM in us", "log measured speeds, as PWM is a command, and name them"
+    pwm, measured = "like PWM in us", "log measured speeds, not PWM commands; name their columns"
 
     def pole_pairs(factor: float) -> str:
         return next(iter(unit_errors(factor, NEAR_PAIRS, POLE_PAIRS)), "")
@@ -158,14 +158,15 @@ BAND = (1.0, 6.0)
 aerodynamic moments turn it, too; at higher frequencies, motor controllers lag."""
 
 MOST_ROTORS = 6  # largest number of rotors for which all orders are tried
-# Correlation of moment and angular acceleration: largest of a wrong order, least of a right one.
+# Largest correlation of moment and angular acceleration for a wrong order, least for a right one.
 WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
 
 FEWEST, AGILE = 200, 0.5
-"""Least number of samples in flight, and least angular acceleration [rad/s^2], for this check."""
+"""Least number of samples in flight and rms angular acceleration [rad/s^2] for the order check."""
 
 OTHER_VEHICLE = 1.15
-"""Ratio of thrust / squared rotor speed of two hovers; batteries and air explain smaller ratios."""
+"""Least factor between specific force / Omega^2 of two hovers that shows different vehicles.
+Different batteries or air explain smaller factors."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:

@@ -72,14 +72,14 @@ def fly(
 ) -> FlightLog:
     """Return a log of level circles, each flown for ``dwell`` [s] and sampled at ``rate`` [1/s].
 
-    ``points`` come from ``trim`` and are flown in order.  Between two speeds, the vehicle leans
-    into the acceleration, and only thrust carries it.  A search for steady segments excludes these
-    samples, as in a real log.
+    ``points`` come from ``trim`` and are flown in order.  Between two speeds, additional
+    pitch and thrust produce the acceleration; changes of the other forces are neglected.  A search
+    for steady segments excludes accelerated samples, as in a real log.
     """
     check_sampling(dwell, rate)
     speed, (pitch, roll) = points.speed, pitch_and_roll(points.up)
     turn = np.sum(points.rates * points.up, axis=1)
-    # The rate of the smooth change below is at most twice its mean.
+    # The largest acceleration of a smooth change of speed is twice the mean acceleration.
     lasts = np.maximum(2.0 * np.abs(np.diff(speed)) / HARDEST, SHORTEST)
     begins = dwell * np.arange(1, speed.size) + np.concatenate([[0.0], np.cumsum(lasts)])[:-1]
     count = int((dwell * speed.size + lasts.sum()) * rate)
@@ -125,7 +125,7 @@ def fly(
 
 
 def log_map(rotors: int) -> LogMap:
-    """Return the description of a file from ``log_csv``."""
+    """Return the columns, frames and units of files from ``log_csv``."""
     columns = {"time": ("time_s",), **VECTORS, **{name: (f"{name}_rad",) for name in ANGLES}}
     columns["rotor_speed"] = tuple(f"rotor_{k}_radps" for k in range(1, rotors + 1))
     return LogMap("flu", "enu", "body", "rad/s", columns=columns)
@@ -168,14 +168,15 @@ LONGEST_STEPS = (0.3, 0.2, 0.2)
 
 STEEPEST = 1.4  # largest pitch and roll [rad]
 EXACT, ACCEPTED = 1e-9, 1e-4
-"""Unbalanced force as a share of the weight at the end of a search, and largest accepted value.
-They differ because the forces jump where the number of azimuths changes with the speed."""
+"""Largest unbalanced force / weight at which a search ends, and largest accepted one.  The limits
+differ because the forces jump where the number of azimuths changes with the speed."""
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """Return the true values of all parameters of a fit by name; zero for additions to the body.
+    """Return the true values of all parameters of a fit by name.
 
-    The drag of mounts is not a parameter if the vehicle file contains it.
+    A fit adds areas to the body of the vehicle file, so their true values are zero.  The drag of
+    mounts is not a parameter if the vehicle file contains it.
     """
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
@@ -200,10 +201,10 @@ def trim(
     All rotors have the same speed: the differences that balance the moments are small, and are
     ignored.  The forces are computed as in a fit.  The circles have a ``radius`` [m], infinite for
     straight flight.  A horizontal ``tether`` provides the centripetal force, as in the paper;
-    without a tether, the vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on
-    the rotors, as a share of the weight.  A fit to the points treats this force as a measurement
-    error.  ``specific_force`` includes the force of the tether.  Raise an ``InputError`` for speeds
-    that cannot be flown.
+    without a tether, the vehicle banks.  A ``disturbance`` (n,) is an additional downward force on
+    the vehicle, as a share of the weight.  A fit to the points treats this force as a measurement
+    error.  ``specific_force`` includes the force of the tether, but not the disturbance.  Raise an
+    ``InputError`` for speeds that cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
@@ -227,7 +228,7 @@ def trim(
 
 
 class _Problem:
-    """Force balances of n circles; the unknowns (n, k) are log rotor speed, pitch, roll."""
+    """Force balances of n circles; unknowns (n, k): logarithm of the rotor speed, pitch, roll."""
 
     def __init__(
         self,
@@ -254,7 +255,7 @@ class _Problem:
         self.first[:, 0] -= 0.5 * np.log(np.clip(carried / lift, 0.05, 20.0))
 
     def log(self, unknowns: Floats, which: Any = slice(None)) -> FlightLog:
-        """Return the circles, or those with the numbers ``which``, as operating points."""
+        """Return the circles, or those with the indices ``which``, as operating points."""
         speeds, pitch = self.speeds[which], unknowns[:, 1]
         roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
         up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), speeds / self.radius
@@ -322,8 +323,8 @@ def expectation(
     """Return the Gauss-Newton intervals of a fit of level flights, eq. (18), at the true values.
 
     ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight.
-    An ``error`` below the numerical error of the loads is raised to it.  Raise an ``InputError``
-    for a true value outside the bounds of a fit.
+    The numerical error of the loads replaces a smaller ``error``.  Raise an ``InputError`` for a
+    true value outside the bounds of a fit.
     """
     truth = {name: EVERY[name].start for name in free if name in MOUNT}
     truth |= true_values(vehicle, airfoil)

@@ -225,7 +225,7 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
             raise InputError(f"line 1: column {name} is missing", remedy, where)
     found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
     if found != rotors or not set(speeds) <= set(header):
-        fault = f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors"
+        fault = f"line 1 has {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors"
         raise InputError(fault, f"name {', '.join(speeds)}", where)
     names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
     repeated = [name for name in names if header.count(name) > 1]
@@ -270,7 +270,7 @@ def _row(
         at = f"{where}, line {line}, column {name}"
         value = parse_number(cells[place] if place < len(cells) else "", name, at)
         if value < 0.0 and (name == "speed_mps" or name.startswith("rpm")):
-            remedy = "give 0 or more: flight is nose first, and the vehicle file has the spins"
+            remedy = "give 0 or more: flight is nose first, and the vehicle file states the spins"
             raise InputError(f"{value:g} is negative", remedy, at)
         if name in ("pitch_deg", "roll_deg") and abs(value) > STEEPEST:
             remedy = f"give degrees from -{STEEPEST:g} to {STEEPEST:g}, 0 in hover"

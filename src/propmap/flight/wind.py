@@ -1,7 +1,7 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
-A Kalman smoother estimates the wind and the errors of the modeled force.  It repeats until
-convergence; each pass linearizes the force by regression over the band of the last pass.
+A Kalman smoother estimates the wind and the errors of the modeled force.  Its passes repeat until
+convergence.  Each pass linearizes the force by regression over the previous estimate and band.
 Horizontal wind is a random walk; vertical wind varies about zero.  The error along each axis of the
 vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
 Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
@@ -31,10 +31,10 @@ from propmap.vehicle.vehicle import Vehicle
 COMPONENTS = ("east", "north", "up")
 WELL = 2.0  # largest half width [m/s] of the 95 % bands of well-determined horizontal components
 
-RATE = 5.0  # largest number of samples per second: errors of adjacent samples are similar
+RATE = 5.0  # largest number of samples per second; closer samples have almost equal errors
 FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/s]
 VERTICAL = 5.0  # correlation time of the vertical wind [s]: height of 25 m / wind of 5 m/s
-UP = 0.2  # prior standard deviation of the mean vertical wind [m/s]: 2 deg of slope at 5 m/s
+UP = 0.2  # prior standard deviation of the mean vertical wind [m/s]: 5 m/s along a slope of 2 deg
 USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
 """Prior means and standard deviations of the logarithms of five scales:
 
@@ -45,16 +45,16 @@ USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0
 Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
 0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
-WHITE = 0.1  # standard deviation of the error independent in each sample, divided by the total
+WHITE = 0.1  # standard deviation of the white part of the error, divided by that of the whole error
 GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most regressions and samples that tune the five scales
-SETTLED = 0.1  # last change of the wind, in standard deviations, of a converged sample, at most
+SETTLED = 0.1  # largest last change of a converged wind, divided by its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
 """Above these limits, a remark asks whether the vehicle is the vehicle of the fit.  The limits are
-for residuals / their expected size [-], and for the mean vertical wind with the parameters of the
-fit [m/s]."""
+for residuals / their expected size [-], and for the mean vertical wind before the common errors
+are corrected [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +178,7 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
     Raises
     ------
     InputError
-        For a fit to other data, and for a log without specific force, heading or samples.
+        Unless the fit is to whole flights, and the log has specific force, heading and samples.
     """
     if file.record.kind != "flight":
         fault = f"the fit is a {file.record.kind} fit, which has no covariance of the side forces"
@@ -304,7 +304,7 @@ class _Smoothed(NamedTuple):
     covariance: Floats
     mean: Floats
     mean_covariance: Floats
-    uncorrected_up: float  # mean vertical wind with the parameters of the fit [m/s]
+    uncorrected_up: float  # mean vertical wind before the common errors are corrected [m/s]
     misfit: float  # rms of the residuals, divided by their expected size [-]
 
 
@@ -312,12 +312,12 @@ class _Balance(NamedTuple):
     """Linear force balances at n samples, divided by the standard deviations of the errors."""
 
     time: Floats  # [s], (n,)
-    slopes: Floats  # derivatives with respect to the state, (n, 3, 9); zero without rotor loads
-    target: Floats  # forces, and derivatives with respect to P parameters, (n, 3, 1 + P)
+    slopes: Floats  # derivatives with respect to the state, (n, 3, 9); zero for NaN loads
+    target: Floats  # measured - modeled force in calm air, derivatives by parameters, (n, 3, 1 + P)
 
     @classmethod
     def of(cls, time: Floats, by_wind: Floats, target: Floats) -> _Balance:
-        """Return the balances; samples without rotor loads become zeros without any effect."""
+        """Return the balances; rows of zeros exclude samples with NaN rotor loads."""
         both = np.concatenate([by_wind, target], axis=-1)
         kept = np.isfinite(both).all(axis=(1, 2), keepdims=True)
         slopes = np.zeros((time.size, 3, 9))

@@ -13,11 +13,12 @@ from propmap.vehicle.vehicle_forces import FORWARD
 AXES = ("thrust", "roll", "pitch", "yaw")
 
 APART = 0.2
-"""Smallest share of a commanded axis that is independent of the other axes.  With this share, the
-axis requires changes of thrust five times as large as an independent axis.  With equal spins of
-diagonal pairs, yaw has a share of 0.95 if the front arms are twice as wide as the rear arms.  With
-equal spins along each side, yaw has a share of 0.11 if the front arms are wider by a quarter."""
-NOTHING = 1e-3  # a smaller moment, over thrust and arm, commands no axis
+"""Smallest independent share of a commanded axis.  The share is the norm of the row's component
+normal to the other commanded rows, relative to the row's norm.  With this share, the axis requires
+changes of thrust five times as large as an independent axis.  With equal spins of diagonal pairs,
+yaw has a share of 0.95 if the front arms are twice as wide as the rear arms.  With equal spins
+along each side, yaw has a share of 0.11 if the front arms are wider by a quarter."""
+NOTHING = 1e-3  # norms of rows, or of their normal components, below this value count as zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class Allocation:
         rows = np.vstack([thrust, moment.T / arm, others])
         least = np.maximum(APART * np.linalg.norm(rows, axis=1), NOTHING)
         commanded: list[int] = []
-        # Select the strongest row first.  Forces across the thrust follow after all axes.
+        # Select the row with the largest normal component, forces normal to the thrust last.
         for group in (range(len(AXES)), range(len(AXES), len(rows))):
             for _ in group:
                 shares = rows @ np.linalg.pinv(rows[commanded])
@@ -79,7 +80,7 @@ class Allocation:
 
 
 def _dependence(rows: Floats, k: int, axes: list[int], least: float) -> str:
-    """Name axis ``k``, and the commanded ``axes`` that contribute more than ``least`` to it."""
+    """Name axis ``k``, and the ``axes`` whose part of its row has a norm above ``least``."""
     shares, known = rows[k] @ np.linalg.pinv(rows[axes]), rows[axes]
     parts = np.abs(shares) * np.linalg.norm(known, axis=1)
     others = [AXES[j] for j, part in zip(axes, parts, strict=True) if part > least]

@@ -40,7 +40,7 @@ MOTORS = {
 """Motor number by ``SERVOn_FUNCTION``."""
 
 ON_COPROCESSOR = 8
-"""Number of outputs on a coprocessor, if there is one; controller 0 then has the next output."""
+"""Number of outputs of a coprocessor.  On boards with one, controller 0 may drive output 9."""
 
 HEAD = b"\xa3\x95"  # first bytes of each message
 AS_WRITTEN = "give the original .bin file of ArduPilot"
@@ -220,7 +220,7 @@ def _rotor_speed(
                 if left:
                     notes = (
                         f"ESC has {len(instances)} instances; those of motors 1 to {len(slots)} "
-                        f"are read; instances of no motor are left out: {', '.join(left)}",
+                        f"are read; instances without a motor are left out: {', '.join(left)}",
                     )
                 instances = [instances[place] for place in slots]
                 break

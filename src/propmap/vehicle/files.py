@@ -25,7 +25,7 @@ from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedCo
 from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing
 from propmap.vehicle.wakes import above_each_other
 
-# --- Tables and keys of a vehicle file; the texts appear in messages as the value to write -------
+# --- Tables and keys of a vehicle file; error messages suggest the text of an annotation ---------
 
 VEHICLE_SCHEMA = 1
 OneOrMore = Number | tuple[Number, ...]
@@ -126,7 +126,7 @@ class _Battery(TomlTable):
 
     def __post_init__(self) -> None:
         if 0.0 < self.capacity_mAh < 50.0:
-            remedy = f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is in A h"
+            remedy = f"give milliampere hours: {1000.0 * self.capacity_mAh:g} for a value in A h"
             raise InputError(f"capacity_mAh is {self.capacity_mAh:g}", remedy)
 
 

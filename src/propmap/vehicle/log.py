@@ -155,7 +155,7 @@ UNKNOWN = {
     "rates": ("east", "angular_acceleration", "specific_force_rate"),
     "rotor_speed": ("rotor_acceleration", "throttle", "throttle_by_lag"),
 }
-"""Optional arrays, NaN by default, by a field of the same shape."""
+"""Optional arrays, NaN by default; each key is a required field of the same shape."""
 
 ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "flights"))
 """Fields with one row for each sample."""
@@ -176,7 +176,7 @@ def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
 def in_vehicle_frame(
     forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
 ) -> Floats:
-    """Return horizontal and vertical components (...) in the frame of a tilted vehicle, (..., 3).
+    """Return vectors (..., 3) in a tilted vehicle's frame from components (...) along level axes.
 
     ``pitch`` (...) [rad] is a rotation about the left axis, positive for a forward lean; ``roll``
     (...) [rad] is a rotation about the vehicle's x axis after the pitch, positive right side down.
@@ -320,7 +320,7 @@ TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
-    """Return the shortest endings of the file names that differ, or numbers for equal names."""
+    """Return the shortest distinct endings of the file names, or numbers if names are equal."""
     parts = [_words(PurePath(source).stem) for source in sources]
     for count in range(1, max(map(len, parts), default=1) + 1):
         names = tuple("-".join(words[-count:]) for words in parts)
@@ -408,8 +408,8 @@ class Recording:
     rates: Signal  # along body axes, (n, 3) [rad/s]
     rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
     specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
-    # If commanded, ``rotor_speed`` contains commands as fractions of full throttle, and the
-    # supply is their scale (n, 1): a voltage [V] or the inverse of the throttle in hover [-].
+    # If ``commanded`` is true, ``rotor_speed`` contains motor commands: fractions of full throttle.
+    # ``supply`` is their scale (n, 1): a voltage [V] or the inverse of the throttle in hover [-].
     commanded: bool = False
     supply: Signal | None = None
     air_speed: Signal | None = None  # measured, (n, 1) [m/s]
@@ -430,9 +430,9 @@ class Recording:
 def cleaned(recording: Recording) -> Recording:
     """Drop invalid samples, and append their number to ``source``.
 
-    Samples are invalid if they are not finite, if their quaternion is not of length 1, or if their
-    time is not after all earlier times.  Raises ``InputError`` if more than 5 % of a signal are
-    invalid, or if fewer than 10 samples remain.
+    Samples are invalid if they are not finite, if their quaternion is not of length 1, or if a
+    previous sample has the same or a later time.  Raises ``InputError`` if more than 5 % of a
+    signal are invalid, or if fewer than 10 samples remain.
     """
     dropped: dict[str, int] = {}
     parts: dict[str, Any] = {}
@@ -491,10 +491,10 @@ def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | Non
 # Conversion of a recording to a flight log: common times, FLU, rotors in the vehicle's order.
 
 LONGEST_GAP = 0.25  # longest time [s] between two samples across which a signal is interpolated
-FASTER = 1.5  # a signal with this many samples per common time or more is low-passed first
+FASTER = 1.5  # signals with at least this many samples per common interval are low-passed
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
-"""Cut-off of this low-pass in cycles per common time, and order of its Butterworth filter, which is
-applied twice.  It removes vibrations that the common times would alias to lower frequencies."""
+"""Cut-off in cycles per interval of the common times, and order, of this low-pass: a Butterworth
+filter, applied twice.  It removes vibrations that sampling at the common times would alias."""
 
 
 def flight_log(
@@ -503,8 +503,8 @@ def flight_log(
     """Convert a recording to a log in the vehicle's frame, with ``rate`` samples per second.
 
     Without a rate, the log has the sample times of the slowest of attitude, velocity and rotor
-    speed.  Rotor speeds that a log signs by the spin become positive.  Raises ``InputError``, also
-    if the accelerometer contradicts the stated frames or its unit.
+    speed.  Negative rotor speeds, which some logs use for one spin, become positive.  Raises
+    ``InputError`` for another number of rotors, unusable signals, and implausible frames or units.
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:

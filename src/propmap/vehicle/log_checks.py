@@ -66,9 +66,10 @@ class Pair:
     least: float  # root mean square below which an axis is not compared
 
     def mismatch(self, which: NDArray[np.bool_] | slice = slice(None)) -> float:
-        """Return the largest ratio over the axes: squared difference over sum of squares.
+        """Return the sum of (a - b)^2 divided by the sum of a^2 + b^2, for the worst axis.
 
-        Only the samples ``which`` count.  The result is NaN if the motion is too small.
+        a and b are ``expected`` and ``measured`` at the samples ``which``.  The result is NaN if
+        the motion is too small.
         """
         a, b = self.expected[which], self.measured[which]
         sizes = np.stack([np.sum(a**2, axis=0), np.sum(b**2, axis=0)])
@@ -120,7 +121,8 @@ def pairs(recording: log.Recording) -> tuple[Pair, Pair]:
 
 
 def _compared(recording: log.Recording, attitude: log.Signal, time: Floats) -> tuple[Floats, ...]:
-    """Return the times between samples of a segment without gaps, and rates and accelerations."""
+    """Return the midpoints of the sample intervals in a segment without gaps.  Also return rates
+    from attitude and gyro, and accelerations from velocity and accelerometer, at the midpoints."""
     step = float(np.median(np.diff(time)))
 
     def smooth(values: Floats) -> Floats:
@@ -218,7 +220,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
     force = recording.specific_force
     for like, factor in UNIT_ERRORS["angular rate"].items():
         cause = f"{rates.name} are in {like}"
-        yield cause, "convert them to rad/s, once", corrected(rates.values / factor, rates)
+        yield cause, "convert deg/s to rad/s exactly once", corrected(rates.values / factor, rates)
     flipped = corrected(rates.values * HALF_TURN, rates)
     yield f"{rates.name} are {other_body}", "change the signs of their y and z", flipped
     if force is not None:
@@ -315,7 +317,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
             for name, signal in recording.signals().items()
         }
         yield (
-            f"the times are {slow:.3g} times the values for which attitude and gyro agree",
+            f"the times are {slow:.3g} times as large as attitude and gyro imply",
             "give the times of the measurements in seconds",
             replace(recording, **signals),
         )

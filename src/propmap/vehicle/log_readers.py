@@ -303,8 +303,8 @@ LIMITS = tuple((f"{kind}_MIN", f"{kind}_MAX") for kind in ("PWM_MAIN", "PWM_AUX"
 output number; the last pair is from before PX4 1.13."""
 
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
-"""Field of sensor_combined with the time from its time stamp to the accelerometer's [us], and its
-value without an accelerometer sample: PX4's SensorCombined.msg."""
+"""Field of sensor_combined with the accelerometer's time relative to the time stamp [us], and value
+of this field without an accelerometer sample: PX4's SensorCombined.msg."""
 
 MOTORS = {100 + number: number for number in range(1, 13)}
 """Motor number by ``actuator_function`` in PX4's EscReport.msg."""
@@ -329,7 +329,7 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
     - Rates: vehicle_angular_velocity, or sensor_combined.
     - Specific force, optional: vehicle_acceleration, or sensor_combined.
     - Rotor speeds: esc_status, whose ``esc_rpm`` is in rpm unless the ``log`` map specifies "erpm".
-      If the log assigns controllers to motors, only these are read, in the order of the motors.
+      If the log assigns controllers to motors, only assigned controllers are read, by motor number.
     - Without esc_status: the commands of actuator_motors, or actuator_outputs, with the voltage of
       battery_status.
 

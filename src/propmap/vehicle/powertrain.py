@@ -196,7 +196,7 @@ class Motor:
         speeds = self.speed_constant * (v - i * self.resistance)
         scale = speeds.max()
         fit = np.linalg.solve(np.vander(speeds / scale), i)
-        # A polynomial through the measured currents may become negative beyond them.
+        # The polynomial may become negative at speeds outside the measured range.
         return np.asarray(np.maximum(np.polyval(fit, omega / scale), 0.0))
 
     def driven(self, torque: Floats, omega: Floats) -> MotorState:
@@ -306,7 +306,7 @@ class Battery:
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """Return the voltage at ``power`` [W] and ``charge``, or at the largest possible power."""
+        """Return the terminal voltage [V], at the maximum power if ``power`` [W] exceeds it."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 

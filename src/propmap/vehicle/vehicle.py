@@ -56,8 +56,8 @@ class Body:
         signs of v_k.  Negative areas give lift.
     plate_area : float
         Area of the horizontal parts (frame, battery, arms) [m^2], which act as a flat plate:
-        F_z = -1/2 rho plate_area V v_z.  The force equals that of the same ``drag_area`` in flow
-        along z, and is larger in oblique flow.
+        F_z = -1/2 rho plate_area V v_z.  In flow along z, a ``drag_area`` of this size has the
+        same force.  In oblique flow, the plate has the larger force.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)

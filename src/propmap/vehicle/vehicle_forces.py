@@ -195,9 +195,10 @@ class RotorWrenches(NamedTuple):
 class Rotors:
     """All rotors of a vehicle, which interact if the vehicle has ``wakes``.
 
-    ``sources`` compute the loads of the rotors.  The wakes follow from the ``attached_thrust`` of
-    ``attached``, or by default from the thrust of the sources, which are then evaluated twice.
-    Raises ``InputError`` for interacting rotors at the same position.
+    ``sources`` compute the loads of the rotors.  The wakes follow from the thrust without
+    interaction: ``attached_thrust`` of the rotor ``attached``, or by default the thrust from an
+    additional evaluation of the sources.  Raises ``InputError`` for interacting rotors at the same
+    position.
     """
 
     def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:
@@ -260,7 +261,7 @@ class Rotors:
         return _as_wrenches(flow, loads, added, status, omega.shape)
 
     def beyond(self, envelope: Envelope, omega: Floats, velocity: Floats) -> NDArray[np.bool_]:
-        """Return which rotors (..., k) are outside an ``envelope``, as in ``wrenches``."""
+        """Return which rotors (..., k) are outside an ``envelope``; inputs as in ``wrenches``."""
         flow = self._flow(omega, velocity)
         outside = envelope.beyond(flow.omega, flow.axial, flow.inplane, self.radius).points
         return outside.reshape(omega.shape)
@@ -268,7 +269,7 @@ class Rotors:
     def around(
         self, omega: Floats, velocity: Floats, change: float
     ) -> tuple[RotorWrenches, Floats, Floats]:
-        """Return the wrenches for s motions, and derivatives of the total for each rotor speed.
+        """Return wrenches for s motions, and derivatives of the total wrench by each rotor speed.
 
         All motions have the rotor speeds ``omega`` (n, k) [rad/s]; their hub velocities are
         ``velocity`` (s, n, k, 3) [m/s].  ``change`` is the relative step of a rotor speed for the
@@ -311,8 +312,8 @@ class Rotors:
     def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
         """Return the first-order changes of forces and moments due to ``changes`` of the loads.
 
-        The wakes change with the thrust of the rotors, even if they are computed from the attached
-        thrust.  ``omega`` (n, k) and ``velocity`` (n, k, 3) are those of ``wrenches``.
+        A change of thrust also changes the wakes, even if ``attached_thrust`` determines the wakes.
+        ``omega`` (n, k) and ``velocity`` (n, k, 3) are those of ``wrenches``.
         """
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
@@ -326,7 +327,7 @@ class Rotors:
             loads_at_hubs(self.sources, flow.perturbed(here + by))[0]
             for by in (FLOW_STEP, -FLOW_STEP)
         )
-        # Evaluate both flows in one call, since ``changes`` computes its points only once.
+        # Evaluate both flows in one call: ``changes`` may store the result of its first call.
         twice = np.tile(np.arange(len(omega)), 2)
         both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), here]))
         every, status = loads_at_hubs(changes, both)
@@ -379,9 +380,9 @@ def _as_wrenches(
 
 
 def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:
-    """Return the different models of the rotors by their mounts, and the indices of the rotors.
+    """Return a model for each different drag of a mount, with the indices of its rotors.
 
-    ``model`` is the model of rotors without a mount.
+    Rotors whose mount has no ``drag`` use ``model`` unchanged.
     """
     drags = [mount.drag for mount in vehicle.mounts]
     return [

@@ -40,7 +40,7 @@ class WakeFlow:
 
 
 def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> HubFlow:
-    """Return the flow at interacting rotors; the wakes follow from the attached thrust.
+    """Return the flow at interacting rotors; ``Rotor.attached_thrust`` determines the wakes.
 
     Parameters
     ----------
@@ -202,11 +202,12 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 # the table is computed from the vortex cylinder.  This takes some tenths of a second for each pair
 # of rotors with a new relative position.  Cubic splines interpolate it with continuous derivatives.
 
-SKEWS, BEARINGS = 121, 96  # nodes of the table: from straight down to straight up, and around
+SKEWS, BEARINGS = 121, 96  # nodes: skew from straight down to straight up, bearing over a turn
 TABLE_AZIMUTHS = 64
-"""Azimuths per ring.  With the core of the sheet, the error on the wake's surface is below 1 %."""
+"""Azimuths per ring.  On the wake's surface, the error of ``axial_velocity`` is up to 0.015 for
+skews up to 85 degrees, and 0.03 at 90 degrees."""
 
-RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss radii for equal areas, and angles
+RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss-Legendre in the squared radius, and azimuths
 _BEYOND = 4  # bearings repeated on both sides of a full turn, so that the spline is periodic
 _SKEW = np.linspace(0.0, np.pi, SKEWS)
 _AROUND = 2.0 * np.pi * np.arange(BEARINGS) / BEARINGS
@@ -217,7 +218,7 @@ class WakeGeometry(NamedTuple):
 
     frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
     kind: NDArray[np.intp]  # index of the spline of each target and source (k, k)
-    # Bearing of the target in the source's frame [rad] (k, k); the spline's are relative to it.
+    # Bearing of the target in the source's frame [rad] (k, k); splines use bearings relative to it.
     bearing: Floats
     slipstream: NDArray[np.bool_]  # whether the rotors are above each other (k, k)
     splines: list[Any]  # velocities induced by a wake, over its skew and bearing
@@ -239,7 +240,7 @@ def wake_geometry(
 
 
 def core_wakes(vehicle: Vehicle, wakes: Wakes) -> tuple[Any, Floats]:
-    """Return the wakes for the core, and the gains with rho times the disk area as one vector."""
+    """Return ``core.Wakes``, and a vector of the gains followed by rho times the disk area."""
     radius = vehicle.propeller.radius
     gains = np.array([*astuple(wakes), vehicle.air.density * np.pi * radius**2])
     return _core_wakes(vehicle.mounts, radius, wakes.slipstreams_alone), gains
@@ -290,7 +291,7 @@ def seen_wake(
     length [-].  The second result is the bearing of the target in the source's frame [rad].  The
     bearings in the spline are relative to this bearing.  Pairs with equal relative positions share
     one spline.  The velocity is zero at rotors above the source that overlap it.  With
-    ``slipstreams_alone`` it is also zero at rotors that do not overlap the source.
+    ``slipstreams_alone`` it is zero at all rotors except overlapping rotors below the source.
     """
     frame = frame_of(source.axis)
     offset = frame @ (np.subtract(target.position, source.position) / radius)
@@ -373,7 +374,7 @@ def _disk() -> tuple[Floats, Floats]:
 # J. G. Leishman, M. Syal, J. Am. Helicopter Soc. 53, 2008, doi 10.4050/JAHS.53.290.
 
 IN_ONE_PLANE = 0.05
-"""Height in radii below which overlapping disks are modeled as separate rotors in one plane."""
+"""Difference in height [radii] below which overlapping rotors are modeled as side by side."""
 
 PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 
@@ -455,8 +456,8 @@ def _slipstream_table(depth: float, aside: float, along: float) -> Any:
 # Tilted Rotors", Wind Energy 19, 2016, doi 10.1002/we.1838.
 
 CYLINDER_AZIMUTHS = 32
-"""Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's
-surface, and a few percent on the surface."""
+"""Azimuths per ring.  For skews up to 60 degrees, the error is below 0.01 at more than a quarter of
+a radius from the wake's surface, and up to 0.08 at the surface."""
 
 CORE = 0.05
 """Radius of the core of the vortex sheet in rotor radii [-].  The core smooths the jump of
