@@ -298,6 +298,9 @@ struct Forecast {
 };
 template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at) {
     Forecast f{};
+    // On the windmill branch, forecasts for laws with a sharper stall than those of the paper led to smaller roots.  (12 of
+    // 100,000 random points with such laws erred by 0.14 to 2.9 % of the static load.)
+    if (of.windmill && of.rotor.law.plain_stall && of.stall_scale() < 1.0 - 1e-9) return f;
     const auto& humps = folds.humps;
     const double reach = 0.12 * of.rotor.tip();  // largest distance to the nearest hump
     if (humps.empty() || !any((at.radius >= humps.front().radius - reach) & (at.radius <= humps.back().radius + reach))) return f;

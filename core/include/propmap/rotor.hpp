@@ -106,18 +106,20 @@ template <template <class> class LawOf> class RotorSolver {
         const bool follow = advance <= (at.v_axial < 0.0 ? follow_descent_below : follow_below);
         if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
         find_loads(s);
-        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall needs lower limits
-        // The momentum thrust of the windmill branch has a kink, with a small tail.  (Without the factor 1.5, 2 of 200,000
-        // descents erred by 0.105 % of the static load.)
-        double limit = accuracy_.largest_tail / (squared * (s.windmill ? 1.5 : 1.0));
+        // A sharper stall needs lower limits, and so does the windmill branch, whose momentum thrust has a kink with a small
+        // tail.  (With 1 in place of 1.5, 2 of 200,000 descents erred by 0.105 % of the static load; with 1.5 in place of 3,
+        // 2 of 50,000 descents with a sharper stall.)
+        const double stricter = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
+        const double kinked = !s.windmill ? 1.0 : stricter > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
+        double limit = accuracy_.largest_tail / (stricter * kinked);
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(at.v_inplane == 0.0 ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
             start_at(s, accuracy_.free);
             solve_stalled(s, true, accuracy_.finer[times].nodes);
             find_loads(s);
-            limit = accuracy_.finer[times].largest_tail / (times + 1 < accuracy_.finer.size() ? squared : 1.0);
+            limit = accuracy_.finer[times].largest_tail / stricter;
         }
-        set_status(s, tail_share(s) > accuracy_.finer.back().largest_tail);
+        set_status(s, tail_share(s) > accuracy_.finer.back().largest_tail / stricter);
     }
 
     // Set this inflow [m/s] at all nodes: zero for a rotor at rest in still air, NaN if the flow is too fast.
