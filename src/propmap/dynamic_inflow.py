@@ -25,8 +25,9 @@ STEP = 2e-6  # step of the central differences in ``linearize``, divided by tip 
 class DynamicInflow:
     """Inflow as a state that lags behind changes of rotor speed and velocity.
 
-    A state is an array (..., ``size``) [m/s].  Its first three values are harmonics in the
-    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and y.
+    A state is an array (..., ``size``) [m/s].  Its first three values are harmonics, which add to
+    the inflow of the annuli: a uniform inflow, and the increases from hub to tip along x and y of
+    the rotor frame of ``Rotor.wrench``.
     The other values are the inflows of the annuli at fixed radii, positive against the thrust.
     A state whose rates all vanish solves eq. (11), like the inflow of ``rotor.loads``.  If
     blades stall, eq. (11) can have several solutions, and the final state of a simulation can
@@ -39,12 +40,12 @@ class DynamicInflow:
         Rotor with the inflow of Pitt and Peters, or with an inflow that is uniform over azimuth.
     spin : str or sequence of str
         Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
-        lists the spins of several equal rotors.  The last axis of all points runs over the rotors.
+        lists the spins of several equal rotors.  The last axis of ``omega`` runs over the rotors.
 
     Attributes
     ----------
     size : int
-        Number of values in a state: 3 harmonics and 24 annuli, up to 192 for an abrupt stall.
+        Number of values in a state: 3 harmonics and 24 to 192 annuli, most for an abrupt stall.
 
     Raises
     ------
