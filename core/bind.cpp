@@ -173,7 +173,7 @@ class Argument {
     Array array_;
 };
 
-// Call `one(k)` for all k below `count`, on this number of threads, and stop at a signal such as Ctrl-C.
+// Call `one(k)` for all k below `count`, on up to `threads` threads, and stop at a signal such as Ctrl-C.
 // No result depends on the number of threads.  Threads end with the call, so that a process may fork between calls.
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
     std::atomic<std::size_t> next{0};

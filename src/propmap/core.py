@@ -19,7 +19,7 @@ def _suitable() -> ModuleType:
         if missing.name != "propmap._core":
             raise
     try:
-        # The build of the oldest level runs on any processor with NumPy; it detects the best level.
+        # The build of the oldest level runs wherever NumPy runs, and detects the best level.
         best = importlib.import_module("propmap._core_v2").best_instructions()
     except ModuleNotFoundError as missing:
         raise ImportError(

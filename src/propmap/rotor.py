@@ -100,7 +100,7 @@ class Rotor:
 
     @functools.cached_property
     def _core_of_growth(self) -> CoreRotor:
-        """Rotor of the core with derivatives with respect to exponents of Re that are zero."""
+        """The rotor with a law that is differentiable by exponents of Re, also if they are zero."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
     @functools.cached_property

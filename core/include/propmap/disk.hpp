@@ -221,7 +221,7 @@ inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>
     return chosen;
 }
 
-// The place of another hump between two humps that may hide folds, as a fraction of the gap; 0 if no hump is needed.
+// Where to compute a hump between two humps, as a fraction of the gap, because folds may hide there; 0 for nowhere.
 // The height in between is interpolated by a cubic from values and derivatives.
 inline double place_between(const Hump& a, const Hump& b, double tip) {
     const double gap = b.radius - a.radius;
@@ -335,7 +335,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
     // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and none on the
-    // windmill branch.  (With this forecast there, 3 of 100,000 random points erred by up to 0.4 % of the static load.)
+    // windmill branch.  (Used there, this forecast caused errors of up to 0.4 % at 3 of 100,000 random points.)
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
 }

@@ -106,9 +106,9 @@ template <template <class> class LawOf> class RotorSolver {
         const bool follow = advance <= (at.v_axial < 0.0 ? follow_descent_below : follow_below);
         if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
         find_loads(s);
-        // A sharper stall needs lower limits, and so does the windmill branch, whose momentum thrust has a kink with a small
-        // tail.  (With 1 in place of 1.5, 2 of 200,000 descents erred by 0.105 % of the static load; with 1.5 in place of 3,
-        // 2 of 50,000 descents with a sharper stall.)
+        // A sharper stall needs lower limits.  So does the windmill branch, because the kink of its momentum thrust causes a
+        // small tail only.  (If `kinked` was 1, not 1.5, 2 of 200,000 descents erred by 0.105 % of the static load.  If it
+        // was 1.5, not 3, for a sharper stall, 2 of 50,000 descents erred by more than 0.1 %.)
         const double stricter = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
         const double kinked = !s.windmill ? 1.0 : stricter > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
         double limit = accuracy_.largest_tail / (stricter * kinked);

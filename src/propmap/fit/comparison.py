@@ -438,7 +438,8 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 
 # --- Effect of one more free parameter on a fit: wrong assumptions, terms of the body ------------
 
-REMARKABLE = 0.7  # an assumption is wrong if a fit without it has less than this share of residuals
+# An assumption is reported as wrong if the residuals without it / with it are below this ratio.
+REMARKABLE = 0.7
 POOR = 0.03  # relative residual above which assumptions are checked
 
 ASSUMPTIONS = {
@@ -513,7 +514,8 @@ def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
 
 # --- Trends: dependence of the residuals of a flight fit on variables of the flight --------------
 
-LEAST_SHARE = 0.05  # least share of the residuals' variance for a sentence on a variable
+# A variable is reported if it explains at least this share of the residuals' variance.
+LEAST_SHARE = 0.05
 CERTAIN = 3.0  # least ratio of a significant slope to its block-wise standard error
 MOST = 2  # largest number of sentences per load
 

@@ -29,10 +29,11 @@ SLOW = 3.0  # largest speed at which the hover model is accurate enough [m/s]
 QUIET = 0.1  # largest relative difference between specific force and g
 FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
-"""Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
-roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
-pairs fit, the message contains the nearest.  ``NEAR_PAIRS`` is narrow: if the thrust of the law is
-much too large, correct speeds must not look like electrical rpm of motors with 2 pole pairs."""
+"""Accepted ratios of the speeds after a correction of the unit or of the pole pairs to the speeds
+that carry the weight.  A nominal section law and a roughly known blade determine thrust to about
+50 % and speed to 25 %.  Of several fitting numbers of pole pairs, the message contains the one with
+the ratio nearest to 1.  ``NEAR_PAIRS`` is narrow: with a wider range and a law of too much thrust,
+correct speeds would look like electrical rpm of motors with 2 pole pairs."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
@@ -158,15 +159,16 @@ BAND = (1.0, 6.0)
 aerodynamic moments turn it, too; at higher frequencies, motor controllers lag."""
 
 MOST_ROTORS = 6  # largest number of rotors for which all orders are tried
-# Largest correlation of moment and angular acceleration for a wrong order, least for a right one.
+# The given order is wrong if its correlation of moment and angular acceleration is below the first
+# limit; another order is right if its correlation exceeds the second.
 WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
 
 FEWEST, AGILE = 200, 0.5
 """Least number of samples in flight and rms angular acceleration [rad/s^2] for the order check."""
 
 OTHER_VEHICLE = 1.15
-"""Least factor between specific force / Omega^2 of two hovers that shows different vehicles.
-Different batteries or air explain smaller factors."""
+"""Ratio of specific force / Omega^2 in two hovers above which their vehicles are different.
+Different batteries or air explain smaller ratios."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:

@@ -1,7 +1,8 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
 A Kalman smoother estimates the wind and the errors of the modeled force.  Its passes repeat until
-convergence.  Each pass linearizes the force by regression over the previous estimate and band.
+convergence.  Each pass linearizes the force as a function of the wind, by a regression over the
+band of the previous estimate.
 Horizontal wind is a random walk; vertical wind varies about zero.  The error along each axis of the
 vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
 Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
@@ -290,7 +291,7 @@ def _world(log: FlightLog) -> Floats:
 # The state contains three parts:
 #   - the wind;
 #   - the errors along the axes of the vehicle, divided by their standard deviations;
-#   - the mean wind so far, the time integral of the wind divided by the duration.
+#   - the time integral of the wind so far, divided by the duration of the flight.
 # The first column of the mean of the state is the estimate.  The other columns are the derivatives
 # of the estimate with respect to the common parameters, which are the same for all samples.
 
