@@ -120,9 +120,9 @@ class Argument {
     Argument(const char* name, nb::handle from, std::size_t each = 0, bool negative = true)
         : name_(name), from_(from), each_(each) {
         if (!given()) return;
-        const bool plain = std::string_view(Py_TYPE(from.ptr())->tp_name) == "numpy.ndarray";
-        if (PyFloat_Check(from.ptr())) number_ = PyFloat_AS_DOUBLE(from.ptr());
-        else if (!plain || !nb::try_cast(from, array_, false)) number_ = NAN;
+        static const nb::handle array_type = nb::object(nb::module_::import_("numpy").attr("ndarray")).release();
+        if (PyFloat_Check(from.ptr())) number_ = PyFloat_AsDouble(from.ptr());
+        else if (!from.type().is(array_type) || !nb::try_cast(from, array_, false)) number_ = NAN;
         const auto good = [&](double x) { return std::isfinite(x) && (negative || x >= 0.0); };
         const double* first = array_.is_valid() ? array_.data() : &number_;
         if (!std::all_of(first, first + (array_.is_valid() ? array_.size() : 1), good)) {

@@ -306,7 +306,7 @@ class Battery:
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """Return the terminal voltage [V], at the maximum power if ``power`` [W] exceeds it."""
+        """Return the terminal voltage [V] at ``charge`` and ``power`` [W], at most the maximum."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
