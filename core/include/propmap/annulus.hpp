@@ -167,6 +167,11 @@ struct Cubic {
         : Cubic(from.residual, -from.slope * (from.inflow - to.inflow), to.residual, -to.slope * (from.inflow - to.inflow)) {}
 
     double at(double t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
+    double root() const {  // where a negative value at t = 0 becomes positive
+        double from = 0.0, to = 1.0;
+        for (int step = 0; step < 12; ++step) (at(0.5 * (from + to)) < 0.0 ? from : to) = 0.5 * (from + to);
+        return 0.5 * (from + to);
+    }
     double slope(double t) const { return a + (b + c * t) * t; }
 
     // Write the extremes between t = 0 and 1 to `t` in increasing order, and return their number.
@@ -282,12 +287,8 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     for (int k = 0; k + 1 < samples.count; ++k) {
         const Sample &high = samples.at[k], &low = samples.at[k + 1];
         if ((high.residual < 0.0) == (low.residual < 0.0) || ++result.roots > 1) continue;
-        // Bisect the cubic, which is far cheaper than an evaluation of the residual.
-        const Cubic cubic(high, low);
-        double from = 0.0, to = 1.0;
-        for (int step = 0; step < 30; ++step) (cubic.at(0.5 * (from + to)) < 0.0 ? from : to) = 0.5 * (from + to);
         result.high = high.inflow, result.low = low.inflow;
-        result.guess = high.inflow - 0.5 * (from + to) * (high.inflow - low.inflow);
+        result.guess = high.inflow - Cubic(high, low).root() * (high.inflow - low.inflow);
     }
     return result;
 }
@@ -324,6 +325,7 @@ struct Hump {
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
     double below;          // like `past_stall`, at the first sample below the hump with a positive residual; NaN without one
+    double root;           // angle minus stall angle at the largest root, between two samples; NaN if no samples enclose it
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
@@ -422,10 +424,16 @@ struct LaneSamples {
     }
 };
 
-// Set the members of `hump` that describe the residual below the peak; `hump.below` is an inflow here, not an angle.
+// Set the members of `hump` that describe the root and the residual below the peak; `hump.root` and `hump.below` are inflows
+// here, not angles.
 inline void look_below(std::span<const Sample> samples, const Peak& peak, Hump& hump) {
     bool falls = true, rising = false;
-    hump.below = std::nan(""), hump.clear = true, hump.three_roots = false;
+    hump.below = hump.root = std::nan(""), hump.clear = true, hump.three_roots = false;
+    const auto positive = std::find_if(samples.begin(), samples.end(), [](const Sample& s) { return s.residual >= 0.0; });
+    if (positive > samples.begin() && positive != samples.end()) {
+        const Sample& before = *(positive - 1);
+        hump.root = before.inflow - Cubic(before, *positive).root() * (before.inflow - positive->inflow);
+    }
     for (const Sample& s : samples) {
         falls &= s.slope < 0.0;
         if (!(s.inflow < peak.inflow)) continue;
@@ -478,15 +486,16 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
     const auto any_of = [&](bool wanted) { return std::count(precise.begin(), precise.begin() + radii, wanted) > 0; };
     const Dual<Lanes, 1> few = any_of(false) ? height_over(of.few) : Dual<Lanes, 1>{};
     const Dual<Lanes, 1> all = any_of(true) ? height_over(of.psi) : Dual<Lanes, 1>{};
-    const Lanes at_peak = angle_at(at, of.rms_speed(at), of.flow.v_axial + v);
-    const Lanes at_below = angle_at(at, of.rms_speed(at), of.flow.v_axial + each_lane([&](int k) { return found[k].below; }));
+    const auto past_stall = [&](Lanes inflow) { return angle_at(at, of.rms_speed(at), of.flow.v_axial + inflow) - stall; };
+    const Lanes past = past_stall(v), below = past_stall(each_lane([&](int k) { return found[k].below; }));
+    const Lanes root = past_stall(each_lane([&](int k) { return found[k].root; }));
     for (int k = 0; k < radii; ++k) {
         Hump& hump = found[k];
         const Dual<Lanes, 1>& height = precise[k] ? all : few;
         hump.radius = radius[k], hump.inflow = v[k], hump.top = peak[k].top;
         hump.height = peak[k].known() ? height.v[k] : std::nan(""), hump.slope = height.d[0][k];
         hump.share = std::fabs(hump.height) / wake[k];
-        hump.past_stall = at_peak[k] - stall[k], hump.below = at_below[k] - stall[k];
+        hump.past_stall = past[k], hump.below = below[k], hump.root = root[k];
         hump.three_roots &= hump.top && hump.height > 0.0;
     }
 }

@@ -295,6 +295,7 @@ struct Forecast {
     Mask clear{};   // there is no other maximum of g between either hump and its `below`
     Mask attached{}, stalled{};  // the root is above the hump, or below it; both are false if either is possible
     Lanes hump, below;  // v_i of the hump, and a smaller v_i at which the residual is positive; NaN if unknown
+    Lanes root;         // estimate of the largest root; NaN if unknown
 };
 template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at) {
     Forecast f{};
@@ -304,7 +305,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     const auto& humps = folds.humps;
     const double reach = 0.12 * of.rotor.tip();  // largest distance to the nearest hump
     if (humps.empty() || !any((at.radius >= humps.front().radius - reach) & (at.radius <= humps.back().radius + reach))) return f;
-    Lanes past = broadcast(std::nan("")), below = past;
+    Lanes past = broadcast(std::nan("")), below = past, root = past;
     auto after = humps.begin();
     for (int k = 0; k < width; ++k) {
         const double y = at.radius[k];  // increases with k
@@ -322,6 +323,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
         const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
         past[k] = a.past_stall + share * (b.past_stall - a.past_stall);
         below[k] = a.below > b.below || std::isnan(a.below) ? a.below : b.below;
+        root[k] = inner && outer ? a.root + share * (b.root - a.root) : inner ? a.root : outer ? b.root : std::nan("");
         f.known[k] = -1;
         f.single[k] = -(!a.top && !b.top && a.single_root && b.single_root);
         f.clear[k] = -(a.clear && b.clear);
@@ -330,33 +332,15 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     }
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
+    f.root = inflow_at_angle(of, at, stall + root);
     f.known &= f.hump == f.hump;
-    if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
+    if (!of.bends_near_stall_only()) f.single = f.clear = Mask{}, f.root = broadcast(std::nan(""));
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
     // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and none on the
     // windmill branch.  (Used there, this forecast caused errors of up to 0.4 % at 3 of 100,000 random points.)
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
-}
-
-// First inflow of Newton's method: attached flow, or a smaller inflow that leads to the branch of the forecast.
-template <class R> Lanes first_inflow(const Annuli<R>& of, const Station<Lanes>& at, const Forecast& f, double side) {
-    const Lanes v = attached_guess(of, at);
-    if (side > 0.0) return f.known & f.stalled & (f.below == f.below) ? f.below : v;
-    // For stall at negative angles of attack, flow is stalled above the hump.
-    const Lanes guess = inflow_at_angle(of, at, of.stall_angle(at, -1.0) - 0.1 * of.stall_scale());
-    return f.known & f.attached & (guess == guess) ? guess : v;
-}
-
-// Return the lanes among `asked` in which the top near this inflow has a negative height.
-template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, Lanes top) {
-    std::array<bool, width> open;
-    Peak peak[width];
-    for (int k = 0; k < width; ++k) peak[k].inflow = top[k], open[k] = asked[k];
-    if (any(asked)) refine_peaks(of, at, of.psi, open, peak);
-    for (int k = 0; k < width; ++k) asked[k] = -(asked[k] && !open[k] && peak[k].height < 0.0);
-    return asked;
 }
 
 // Return the lanes whose root v is on the branch of the forecast and therefore is the largest root.
@@ -368,10 +352,7 @@ template <class R> Mask as_forecast(const Annuli<R>& of, const Station<Lanes>& a
     asked &= f.known & (v >= rises);
     const Mask settled = asked & ((v > f.hump + near) | f.single | (f.attached & (v > f.hump - near)));
     const Mask beneath = asked & f.clear & (v < f.hump + near) & (side < 0.0 ? v == v : v > f.below - near);
-    Mask stalled = f.stalled;
-    // If the neighboring heights have opposite signs but no fold is between them, compute the top at the node.
-    if (side > 0.0) stalled |= top_below_zero(of, at, beneath & ~(settled | f.stalled | f.attached), f.hump);
-    return settled | (stalled & beneath);
+    return settled | (f.stalled & beneath);
 }
 
 // Scan at one radius.  If V sin(beta) > Omega y, stall covers most azimuths.  In climb, a scan over few azimuths is then
@@ -403,13 +384,16 @@ template <class R> void scan_nodes(const Annuli<R>& of, Disk& disk, std::span<co
     }
 }
 
-// Find the inflow at all nodes.  Newton's method starts on the branch of the forecast.  Its root is accepted if it is in
-// attached flow or on this branch.  At all other nodes, a scan finds the root.  Without `folds`, there is no forecast.
+// Find the inflow at all nodes.  Newton's method starts at the forecast of the root or, without forecast, in attached flow.
+// Its root is accepted if it is in attached flow or on the branch of the forecast.  At all other nodes, a scan finds the
+// root.  Without `folds`, there is no forecast.
 template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds& folds) {
     thread_local std::array<Forecast, most_nodes / width + 1> forecasts;
     for (int g = 0; g < disk.groups; ++g) {
         forecasts[g] = forecast(of, folds, disk.at[g]);
-        disk.inflow[g] = first_inflow(of, disk.at[g], forecasts[g], folds.side);
+        const Lanes root = forecasts[g].root;
+        const Mask same_branch = forecasts[g].known & (forecasts[g].attached | forecasts[g].stalled) & (root == root);
+        disk.inflow[g] = same_branch ? root : attached_guess(of, disk.at[g]);
     }
     newton(of, disk, of.few, 1e-3, 4);
     newton(of, disk, of.psi, close_enough, 6);

@@ -102,6 +102,7 @@ template <template <class> class LawOf> class DynamicInflow {
         // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses -dg/dv_i, limited from below to
         // 2 pi y W with Glauert's speed W: half of the momentum thrust (10) per v_i.
         const auto of = solver_->annuli(s);
+        const Azimuths for_friction = s.psi.count > 4 ? azimuths(std::max(8, 2 * of.few.count)) : s.psi;
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         Loads<Lanes> sums{};  // over groups; the lanes are added at the end
         // For the decay of harmonics: dT/dv_0, and dL/dv_s or dM/dv_c with sin^2(psi) replaced by its mean, 1/2.
@@ -137,7 +138,7 @@ template <template <class> class LawOf> class DynamicInflow {
             thrust_without += weight * loads.thrust;
             if (around) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi, s.harmonics));
             const Loads<Lanes> friction = rotor.radial_friction && at.v_inplane > 0.0
-                                              ? radial_friction(rotor, station, s.flow, used, of.few) : Loads<Lanes>{};
+                                              ? radial_friction(rotor, station, s.flow, used, for_friction) : Loads<Lanes>{};
             for (int k = 0; k < Loads<Lanes>::count; ++k)
                 sums.begin()[k] += weight * (loads.begin()[k] + friction.begin()[k]);
             const Lanes part = weight * station.radius;

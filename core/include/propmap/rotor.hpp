@@ -185,9 +185,9 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 8.
+    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6.
     Annuli<Modeled> annuli(const Solution& s) const {
-        const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
+        const Azimuths few = s.psi.count > 4 ? azimuths(std::max(6, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
 
