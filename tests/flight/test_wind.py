@@ -208,6 +208,7 @@ def test_beyond_the_data_of_the_fit_the_bands_are_wider() -> None:
     assert np.all(found.mean_half_width[:2] > 2.0 * known.mean_half_width[:2])
 
 
+@pytest.mark.slow
 def test_a_fit_to_slow_flight_does_not_extrapolate_its_error_of_the_thrust(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
