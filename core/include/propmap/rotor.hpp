@@ -185,9 +185,10 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6.
+    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6, for a sharper stall 8.
     Annuli<Modeled> annuli(const Solution& s) const {
-        const Azimuths few = s.psi.count > 4 ? azimuths(std::max(6, 2 * (s.psi.count / 4))) : s.psi;
+        const int least = sharpness() > 1.0 + 1e-9 ? 8 : 6;
+        const Azimuths few = s.psi.count > 4 ? azimuths(std::max(least, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
 
