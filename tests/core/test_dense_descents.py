@@ -34,8 +34,13 @@ ONCE_WRONG = (
     Point("law-27", False, 2953.265781, 53.354085, 2.129995),
     # Attached and stalled azimuths alternate, and a scan did not find the attached root.
     Point("law-50", False, 1922.756872, 145.235775, 81.730947),
+    # Forecasts on the windmill branch led to smaller roots.
+    Point("law-69", False, 333.4359387140124, 16.880146182538812, 135.0640257559352),
+    Point("law-10", True, 1251.354011094602, 80.6223955393153, 155.435689283979),
+    # Newton's method started at a root between samples, too inexact for a sharp stall.
+    Point("law-13", True, 360.8088634071986, 5.893180270784834, 43.41189472695556),
 )
-"""Points whose loads once had errors of up to 1.2 % of the static loads, without a status."""
+"""Points whose loads once had errors of up to 2.9 % of the static loads, without a status."""
 
 
 def test_brute_force_is_the_reference() -> None:

@@ -301,7 +301,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     Forecast f{};
     // On the windmill branch, forecasts for laws with a sharper stall than those of the paper led to smaller roots.  (12 of
     // 100,000 random points with such laws erred by 0.14 to 2.9 % of the static load.)
-    if (of.windmill && of.rotor.law.plain_stall && of.stall_scale() < 1.0 - 1e-9) return f;
+    if (of.windmill && of.rotor.law.plain_stall && of.stall_scale() < 1.0) return f;
     const auto& humps = folds.humps;
     const double reach = 0.12 * of.rotor.tip();  // largest distance to the nearest hump
     if (humps.empty() || !any((at.radius >= humps.front().radius - reach) & (at.radius <= humps.back().radius + reach))) return f;
@@ -332,10 +332,12 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     }
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
-    // For a sharper stall than the paper's, roots between samples are too inexact: 3 of 20,000 points erred by up to 0.2 %.
-    f.root = of.stall_scale() < 1.0 - 1e-9 ? broadcast(std::nan("")) : inflow_at_angle(of, at, stall + root);
+    // Roots between samples are too inexact for a sharper stall than the paper's (3 of 20,000 points erred by up to 0.2 %),
+    // and for laws that bend elsewhere.
+    if (of.stall_scale() < 1.0 || !of.bends_near_stall_only()) root = broadcast(std::nan(""));
+    f.root = inflow_at_angle(of, at, stall + root);
     f.known &= f.hump == f.hump;
-    if (!of.bends_near_stall_only()) f.single = f.clear = Mask{}, f.root = broadcast(std::nan(""));
+    if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
     // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and none on the

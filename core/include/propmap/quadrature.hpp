@@ -34,7 +34,7 @@ struct Accuracy {
     int azimuths_at(double advance, double sharper, int times) const {
         std::size_t k = 0;
         while (k + 1 < azimuths.size() && advance > azimuths[k].advance) ++k;
-        const int wanted = int(std::ceil(azimuths[k].azimuths * std::max(sharper, 1.0) - 1e-6));
+        const int wanted = int(std::ceil(azimuths[k].azimuths * sharper - 1e-6));
         return counts[std::min(place_of(wanted) + std::max(times - 1, 0), int(std::size(counts)) - 1)];
     }
 };

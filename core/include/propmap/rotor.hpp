@@ -94,7 +94,8 @@ template <template <class> class LawOf> class RotorSolver {
     double advance_ratio(const Flow<double>& at) const {  // V sin(beta)/(Omega R)
         return at.v_inplane == 0.0 ? 0.0 : at.v_inplane / (at.omega * rotor_.tip());
     }
-    double sharpness() const { return 0.02 / rotor_.law.stall_width(); }  // of stall, relative to that of the paper
+    // Of stall, relative to that of the paper; at least 1.
+    double sharpness() const { return std::max(0.02 / rotor_.law.stall_width(), 1.0); }
 
     // Solve an operating point.
     void solve(const Flow<double>& at, Solution& s) const {
@@ -109,8 +110,8 @@ template <template <class> class LawOf> class RotorSolver {
         // A sharper stall needs lower limits.  So does the windmill branch, because the kink of its momentum thrust causes a
         // small tail only.  (If `kinked` was 1, not 1.5, 2 of 200,000 descents erred by 0.105 % of the static load.  If it
         // was 1.5, not 3, for a sharper stall, 2 of 50,000 descents erred by more than 0.1 %.)
-        const double stricter = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
-        const double kinked = !s.windmill ? 1.0 : stricter > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
+        const double stricter = sharper * sharper;
+        const double kinked = !s.windmill ? 1.0 : sharper > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
         double limit = accuracy_.largest_tail / (stricter * kinked);
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(at.v_inplane == 0.0 ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
@@ -187,7 +188,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6, for a sharper stall 8.
     Annuli<Modeled> annuli(const Solution& s) const {
-        const int least = sharpness() > 1.0 + 1e-9 ? 8 : 6;
+        const int least = sharpness() > 1.0 ? 8 : 6;
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(least, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
