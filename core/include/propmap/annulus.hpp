@@ -124,7 +124,7 @@ struct Sample {
     double residual, slope;  // g and dg/dv_i
 };
 
-// Compute the residual of each sample, at the radius in its lane of `at`.  Samples are packed into full vectors.
+// A sample whose residual is to be computed, at the radius in this lane of a station.
 struct Request {
     int lane;
     Sample* sample;  // contains the inflow, receives the residual
@@ -263,8 +263,8 @@ inline bool may_hide_roots(const Sample& from, const Sample& to) {
     return opposed && ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
 }
 
-// Scan the residual over all inflows at one radius.  Every change of sign encloses a root.  Sample the intervals that may
-// hide two more roots again, in up to `rounds` rounds.
+// Scan the residual over all inflows at one radius.  Every change of sign encloses a root.  Intervals that may
+// hide two more roots receive more samples, in up to `rounds` rounds.
 template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
     const Station<Lanes> at = of.station(broadcast(radius));
     const double v_axial = std::fabs(of.flow.v_axial), speed = std::max(of.rms_speed(at)[0], 0.1 * v_axial + 1e-9);
@@ -325,7 +325,7 @@ struct Hump {
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
     double below;          // like `past_stall`, at the first sample below the hump with a positive residual; NaN without one
-    double root;           // angle minus stall angle at the largest root, between two samples; NaN if no samples enclose it
+    double root;           // like `past_stall`, at the largest root, interpolated between samples; NaN if none enclose it
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root

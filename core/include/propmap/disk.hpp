@@ -200,8 +200,9 @@ inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, i
         if (all.size() <= 8 || k % every == 0 || k + 1 == all.size()) radii.push_back(all[k]);
 }
 
-// Shares of the momentum thrust.  Heights below `small_height` are small.  Heights below `touching_height` may change sign
-// between measured stations.  (Without it, loads changed at 3 of 5,000 random points, at one by 0.8 % of the static load.)
+// Shares of the momentum thrust.  Heights below `small_height` are small.  Close to a height below `touching_height`, more
+// humps are computed, because the measured blade shape varies between its stations and the height may change sign there.
+// (Without this limit, loads changed at 3 of 5,000 random points, at one by 0.8 % of the static load.)
 inline constexpr double small_height = 0.3, touching_height = 0.04;
 
 // Choose the blocks next to blocks near stall.  Exclude a block if the height of the nearest hump is positive and large, and
@@ -323,12 +324,12 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
         const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
         past[k] = a.past_stall + share * (b.past_stall - a.past_stall);
         below[k] = a.below > b.below || std::isnan(a.below) ? a.below : b.below;
-        root[k] = inner && outer ? a.root + share * (b.root - a.root) : inner ? a.root : outer ? b.root : std::nan("");
         f.known[k] = -1;
         f.single[k] = -(!a.top && !b.top && a.single_root && b.single_root);
         f.clear[k] = -(a.clear && b.clear);
         f.attached[k] = -((inner || outer) && (a.height > 0.0 || !inner) && (b.height > 0.0 || !outer));
         f.stalled[k] = -((inner || outer) && (a.height < 0.0 || !inner) && (b.height < 0.0 || !outer));
+        if (f.attached[k] || f.stalled[k]) root[k] = !outer ? a.root : !inner ? b.root : a.root + share * (b.root - a.root);
     }
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
@@ -340,8 +341,8 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow, stall covers most azimuths.  There, only the forecast of a single root is used, and none on the
-    // windmill branch.  (Used there, this forecast caused errors of up to 0.4 % at 3 of 100,000 random points.)
+    // Deep in reverse flow, stall covers most azimuths.  At these radii, only the forecast of a single root is used, and no
+    // forecast on the windmill branch, where this forecast caused errors of up to 0.4 % at 3 of 100,000 random points.
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
 }
@@ -395,8 +396,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
     for (int g = 0; g < disk.groups; ++g) {
         forecasts[g] = forecast(of, folds, disk.at[g]);
         const Lanes root = forecasts[g].root;
-        const Mask same_branch = forecasts[g].known & (forecasts[g].attached | forecasts[g].stalled) & (root == root);
-        disk.inflow[g] = same_branch ? root : attached_guess(of, disk.at[g]);
+        disk.inflow[g] = forecasts[g].known & (root == root) ? root : attached_guess(of, disk.at[g]);
     }
     newton(of, disk, of.few, 1e-3, 4);
     newton(of, disk, of.psi, close_enough, 6);

@@ -21,7 +21,8 @@
 namespace propmap {
 
 // Direction of flight in the disk plane (x, y), and spin: 1 for a rotor that turns counter-clockwise, -1 for clockwise.
-// The rear of the disk is opposite to the direction of flight.  For spin = 1, the advancing side is to its right.
+// The rear of the disk is opposite to the direction of flight.  For spin = 1, the advancing side is to the right of the
+// direction of flight.
 struct Heading {
     double x, y, spin;
 
@@ -38,8 +39,8 @@ inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gr
 inline constexpr double negligible = 1e-13;  // harmonics below this share of the speed of the air are set to zero
 
 // Return the smallest number of nodes whose static solution has an accurate thrust in climb, hover and slow descent, with
-// and without in-plane flow.  Up to 96 nodes, this thrust differs from that with panels that follow stall by at most
-// 0.2 % of the thrust at rest.  A fold acts as if it were midway between two nodes, so abrupt stall requires many nodes.
+// and without in-plane flow: 24, 48 or 96 if the thrust differs from the solution with panels that follow stall by at most
+// 0.2 % of the thrust at rest, otherwise 192.  A fold acts as if it were midway between two nodes: abrupt stall needs many.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
     const double radius = solver.rotor().tip();

@@ -108,8 +108,8 @@ template <template <class> class LawOf> class RotorSolver {
         if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
         find_loads(s);
         // A sharper stall needs lower limits.  So does the windmill branch, because the kink of its momentum thrust causes a
-        // small tail only.  (If `kinked` was 1, not 1.5, 2 of 200,000 descents erred by 0.105 % of the static load.  If it
-        // was 1.5, not 3, for a sharper stall, 2 of 50,000 descents erred by more than 0.1 %.)
+        // small tail only.  (With `kinked` = 1, the error was 0.105 % of the static load at 2 of 200,000 descents.  With
+        // 1.5 for a sharper stall, it exceeded 0.1 % at 2 of 50,000 descents.)
         const double stricter = sharper * sharper;
         const double kinked = !s.windmill ? 1.0 : sharper > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
         double limit = accuracy_.largest_tail / (stricter * kinked);

@@ -29,11 +29,11 @@ SLOW = 3.0  # largest speed at which the hover model is accurate enough [m/s]
 QUIET = 0.1  # largest relative difference between specific force and g
 FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
-"""Accepted ratios of the speeds after a correction of the unit or of the pole pairs to the speeds
-that carry the weight.  A nominal section law and a roughly known blade determine thrust to about
-50 % and speed to 25 %.  Of several fitting numbers of pole pairs, the message contains the one with
-the ratio nearest to 1.  ``NEAR_PAIRS`` is narrow: with a wider range and a law of too much thrust,
-correct speeds would look like electrical rpm of motors with 2 pole pairs."""
+"""Accepted ratio: corrected rotor speeds / speeds that carry the weight.  The correction is another
+unit or number of pole pairs.  A nominal section law and a roughly known blade determine thrust to
+about 50 % and speed to 25 %.  Of several accepted numbers of pole pairs, the message names the one
+with the ratio nearest to 1.  ``NEAR_PAIRS`` is narrow: with a wider range, a section law that
+overestimates thrust would make correct speeds look like electrical rpm with 2 pole pairs."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
