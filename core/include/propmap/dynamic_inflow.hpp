@@ -1,6 +1,6 @@
 // Dynamic inflow: the inflow lags behind the loads, because the air has mass.
 //
-// The state contains the inflow v_j of eq. (11) at fixed radii y_j, the nodes, and the harmonics v_0, v_s and v_c
+// The state contains the inflow v_j of eq. (11) at the nodes (fixed radii y_j) and the harmonics v_0, v_s and v_c
 // around the disk.  T is the thrust, L the moment that lifts the advancing side, and M the moment that lifts the rear,
 // all divided by the density.  h_0, h_s and h_c are the static harmonics for these loads (`HarmonicResponse`).  The
 // equations are
@@ -36,11 +36,11 @@ struct Heading {
 };
 
 inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gradients along x and y of the rotor frame
-inline constexpr double negligible = 1e-13;  // harmonics below this share of the speed of the air are set to zero
+inline constexpr double negligible = 1e-13;  // smaller harmonics, relative to tip speed plus flow speed, are set to zero
 
-// Return the smallest number of nodes whose static solution has an accurate thrust in climb, hover and slow descent, with
-// and without in-plane flow: 24, 48 or 96 if the thrust differs from the solution with panels that follow stall by at most
-// 0.2 % of the thrust at rest, otherwise 192.  A fold acts as if it were midway between two nodes: abrupt stall needs many.
+// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if the thrust in climb, hover and slow
+// descent differs from the thrust with panels that follow stall by at most 0.2 % of the thrust at rest.  Abrupt stall needs
+// many nodes, because a fold acts as if it were midway between two nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
     const double radius = solver.rotor().tip();
@@ -72,7 +72,7 @@ template <template <class> class LawOf> class DynamicInflow {
         place_nodes(solver.rotor(), 0.0, disk_);
     }
 
-    int size() const { return harmonics_first + nodes_; }  // of a state [m/s]
+    int size() const { return harmonics_first + nodes_; }  // number of values in a state
 
     // Write the static solution at an operating point to `state`: the largest root of (11) at each node.
     void steady(const Flow<double>& at, const Heading& heading, double* state) const {

@@ -167,8 +167,8 @@ FEWEST, AGILE = 200, 0.5
 """Least number of samples in flight and rms angular acceleration [rad/s^2] for the order check."""
 
 OTHER_VEHICLE = 1.15
-"""Ratio of specific force / Omega^2 in two hovers above which their vehicles are different.
-Different batteries or air explain smaller ratios."""
+"""Two hovers belong to different vehicles if specific force / Omega^2 differs by a larger factor.
+Different batteries or air explain smaller factors."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
