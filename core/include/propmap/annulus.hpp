@@ -81,7 +81,7 @@ template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lane
 // --- Attached flow -------------------------------------------------------------------------------------------------
 
 // First guess of v_i [m/s]: the root of v W = k (U_T^2 theta - U_T U_P), (11) in attached flow without drag.  W is the
-// square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above this root.
+// square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Do four Newton steps from above the root.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -606,7 +606,7 @@ template <class R> Edge fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const double y = between(low.radius, high.radius), v = between(low.inflow, high.inflow);
         const auto fold = newton_fold(of, low, high, y, v, top, narrowing > 0);
         if (fold && (narrowing >= 6 || same_hump(of, *fold, low.height > 0.0 ? low : high, side))) return *fold;
-        // In climb, stop between two shoulders: at 20,000 random oblique points, there was no top between them.
+        // In climb, never narrow between shoulders: at 20,000 random oblique points, there was no top between them.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
         // The interpolated fold is close, so the first two intervals are narrow.  (With a spread of 0.25 in all steps, loads
         // changed at 3 of 10,000 points by 2e-4.)

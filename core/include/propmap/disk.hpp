@@ -1,8 +1,8 @@
 // The inflow v_i over the disk, at the nodes of one or more panels along the blade.
 //
 // A node is a radius at which (11) is solved.  A panel is a part of the blade with its own Gauss-Legendre nodes.  Panels
-// that meet at folds follow stall, because the inflow jumps or varies steeply at a fold.  annulus.hpp defines hump,
-// height and fold; docs/root-search.md explains the search.
+// "follow stall" if they meet at the folds, where the inflow jumps or varies steeply.  annulus.hpp defines hump, height
+// and fold; docs/root-search.md explains the search.
 #pragma once
 
 #include "annulus.hpp"
@@ -200,8 +200,8 @@ inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, i
         if (all.size() <= 8 || k % every == 0 || k + 1 == all.size()) radii.push_back(all[k]);
 }
 
-// Shares of the momentum thrust.  Heights below `small_height` are small.  Close to a height below `touching_height`, more
-// humps are computed, because the measured blade shape varies between its stations and the height may change sign there.
+// Shares of the momentum thrust.  Heights below `small_height` are small.  Next to a hump with a height below `touching_height`,
+// more humps are computed: measured blades vary between their stations, so the height may change sign between two humps.
 // (Without this limit, loads changed at 3 of 5,000 random points, at one by 0.8 % of the static load.)
 inline constexpr double small_height = 0.3, touching_height = 0.04;
 
@@ -222,7 +222,7 @@ inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>
     return chosen;
 }
 
-// Where to compute a hump between two humps, as a fraction of the gap, because folds may hide there; 0 for nowhere.
+// Return the fraction of the gap between two humps at which another hump is needed, because folds may hide there, or 0.
 // The height in between is interpolated by a cubic from values and derivatives.
 inline double place_between(const Hump& a, const Hump& b, double tip) {
     const double gap = b.radius - a.radius;
@@ -333,16 +333,16 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     }
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
-    // Roots between samples are too inexact for a sharper stall than the paper's (3 of 20,000 points erred by up to 0.2 %),
-    // and for laws that bend elsewhere.
+    // Interpolated roots are too inexact for a sharper stall than the paper's (3 of 20,000 points erred by up to 0.2 %), and
+    // if the residual also bends away from stall.
     if (of.stall_scale() < 1.0 || !of.bends_near_stall_only()) root = broadcast(std::nan(""));
     f.root = inflow_at_angle(of, at, stall + root);
     f.known &= f.hump == f.hump;
     if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
     // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow, stall covers most azimuths.  At these radii, only the forecast of a single root is used, and no
-    // forecast on the windmill branch, where this forecast caused errors of up to 0.4 % at 3 of 100,000 random points.
+    // Deep in reverse flow, stall covers most azimuths.  At these radii, use only forecasts of a single root; on the
+    // windmill branch, use none (there they caused errors of up to 0.4 % at 3 of 100,000 random points).
     f.known &= (of.windmill ? Mask{} : f.single) | (of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius));
     return f;
 }

@@ -38,8 +38,8 @@ struct Heading {
 inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gradients along x and y of the rotor frame
 inline constexpr double negligible = 1e-13;  // smaller harmonics, relative to tip speed plus flow speed, are set to zero
 
-// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if the thrust in climb, hover and slow
-// descent differs from the thrust with panels that follow stall by at most 0.2 % of the thrust at rest.  Abrupt stall needs
+// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if, in climb, hover and slow descent,
+// the thrust differs by at most 0.2 % of the static thrust from the thrust with panels that follow stall.  Abrupt stall needs
 // many nodes, because a fold acts as if it were midway between two nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
@@ -84,7 +84,7 @@ template <template <class> class LawOf> class DynamicInflow {
         if (s.result.status == Status::not_converged) std::fill_n(state, size(), std::nan(""));
     }
 
-    // Return loads and status in a `state`, and write the `rates` [m/s^2] and the state `later` after a step of `time`
+    // Return loads and status of a `state`, and write the `rates` [m/s^2] and the state `later` after a step of `time`
     // [s], unless these pointers are null.  The returned solution is valid until the next call in the same thread.
     const Solution& move(const Flow<double>& at, const Heading& heading, const double* state, double time, double* rates,
                          double* later) const {
@@ -106,7 +106,7 @@ template <template <class> class LawOf> class DynamicInflow {
         const Azimuths for_friction = s.psi.count > 4 ? azimuths(std::max(8, 2 * of.few.count)) : s.psi;
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         Loads<Lanes> sums{};  // over groups; the lanes are added at the end
-        // For the decay of harmonics: dT/dv_0, and dL/dv_s or dM/dv_c with sin^2(psi) replaced by its mean, 1/2.
+        // For the decay of harmonics: dT/dv_0, and one slope for dL/dv_s and dM/dv_c (sin^2(psi) replaced by its mean, 1/2).
         Lanes by_mean{}, by_gradient{};
         Lanes thrust_without{}, area{}, through_area{};
         for (int g = 0; g < disk_.groups; ++g) {

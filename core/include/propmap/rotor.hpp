@@ -61,8 +61,8 @@ template <template <class> class LawOf> class RotorSolver {
     using Modeled = Rotor<double, LawOf>;
 
     RotorSolver(Modeled rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Tails are compared with static loads, stored divided by Omega^2.  Static loads of a blade that stalls at rest are
-        // small.  Mean coefficients are therefore assumed to be at least 0.1 (lift) and 0.01 (force against the rotation).
+        // Tails are compared with static loads, stored divided by Omega^2.  A blade that stalls in hover has small static
+        // loads.  Mean coefficients are therefore assumed to be at least 0.1 (lift) and 0.01 (force against the rotation).
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};
@@ -108,8 +108,8 @@ template <template <class> class LawOf> class RotorSolver {
         if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
         find_loads(s);
         // A sharper stall needs lower limits.  So does the windmill branch, because the kink of its momentum thrust causes a
-        // small tail only.  (With `kinked` = 1, the error was 0.105 % of the static load at 2 of 200,000 descents.  With
-        // 1.5 for a sharper stall, it exceeded 0.1 % at 2 of 50,000 descents.)
+        // small tail only.  (The error was 0.105 % of the static load at 2 of 200,000 descents with `kinked` = 1,
+        // and exceeded 0.1 % at 2 of 50,000 descents with `kinked` = 1.5 and a sharper stall.)
         const double stricter = sharper * sharper;
         const double kinked = !s.windmill ? 1.0 : sharper > 1.0 && rotor_.law.plain_stall ? 3.0 : 1.5;
         double limit = accuracy_.largest_tail / (stricter * kinked);

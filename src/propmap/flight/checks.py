@@ -207,7 +207,7 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     order = ", ".join(str(number + 1) for number in best)
     raise InputError(
         "the rotor speeds do not explain how the vehicle turned (correlation "
-        f"{given:.2f}); the columns of rotors 1 to {count} fit rotors {order} ({found:.2f})",
+        f"{given:.2f}); the columns of rotors 1 to {count} fit rotors {order} (correlation {found:.2f})",
         "correct rotor_order, the columns, or the positions of the [[rotors]]",
         log.source,
     )
@@ -230,6 +230,6 @@ def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
     if ratio < OTHER_VEHICLE:
         return []
     return [
-        f"in slow flight {high} has {ratio:.2f} times the force per mass and squared rotor speed "
-        f"of {low}: vehicle, mass or propeller differ; fit the flights one by one"
+        f"in slow flight, force / (mass * rotor speed^2) of {high} is {ratio:.2f} times that of "
+        f"{low}: vehicle, mass or propeller differ; fit the flights one by one"
     ]
