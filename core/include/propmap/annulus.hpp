@@ -80,7 +80,7 @@ template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lane
 
 // --- Attached flow -------------------------------------------------------------------------------------------------
 
-// First guess of v_i [m/s]: the root of v W = k (U_T^2 theta - U_T U_P), (11) in attached flow without drag.  W is the
+// First guess of v_i [m/s]: the root of (11) in attached flow without drag: v W = k (U_T^2 theta - U_T U_P).  W is the
 // square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Do four Newton steps from above the root.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
@@ -325,7 +325,7 @@ struct Hump {
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
     double below;          // like `past_stall`, at the first sample below the hump with a positive residual; NaN without one
-    double root;           // like `past_stall`, at the largest root, interpolated between samples; NaN if none enclose it
+    double root;           // like `past_stall`, at the largest root, interpolated; NaN if no samples enclose this root
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
@@ -339,9 +339,9 @@ struct Peak {
     bool known() const { return inflow == inflow; }
 };
 
-// Find the top that decides on which branch the largest root is.  This is the first top with a positive height.  Without
-// such a top, it is the highest top, and without any top the shoulder.  (If the function always returned the first top,
-// the search missed attached intervals near the tip, and thrust erred by 0.9 % of static thrust.)
+// Find the top that decides on which branch the largest root is.  Among tops of positive height, it has the largest inflow.
+// Without such a top, it is the highest top, and without any top the shoulder.  (If the function always returned the top of
+// largest inflow, the search missed attached intervals near the tip, and thrust erred by 0.9 % of static thrust.)
 inline Peak deciding_peak(std::span<const Sample> samples) {
     Peak best;
     double flattest = INFINITY;
@@ -444,7 +444,7 @@ inline void look_below(std::span<const Sample> samples, const Peak& peak, Hump& 
         if (!found && s.residual > 0.0) hump.below = s.inflow;
     }
     hump.single_root = falls;
-    // Below a shoulder there is no maximum if the residual increases as v_i decreases, at all samples.
+    // Below a shoulder there is no maximum if, at all samples, the residual increases as v_i decreases.
     if (!peak.top) hump.clear = falls;
 }
 
@@ -608,8 +608,8 @@ template <class R> Edge fold_between(const Annuli<R>& of, Hump low, Hump high, d
         if (fold && (narrowing >= 6 || same_hump(of, *fold, low.height > 0.0 ? low : high, side))) return *fold;
         // In climb, never narrow between shoulders: at 20,000 random oblique points, there was no top between them.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
-        // The interpolated fold is close, so the first two intervals are narrow.  (With a spread of 0.25 in all steps, loads
-        // changed at 3 of 10,000 points by 2e-4.)
+        // Interpolation predicts the fold well, so the first two intervals are narrow.  (With a spread of 0.25 in all steps,
+        // loads changed at 3 of 10,000 points by 2e-4.)
         narrow(of, low, high, share(), narrowing < 2 ? 0.05 : 0.25, side);
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }

@@ -102,8 +102,8 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
 
 // --- Attached flow and Newton's method -----------------------------------------------------------------------------
 
-// Return whether (11) has smaller roots than `inflow`, a root in attached flow, in any of these lanes.  If so, the
-// residual is negative at some angles past stall.  To save time, the residual for sin(psi) = 0 alone is tested first.
+// Return whether (11) has roots smaller than the attached root `inflow` in any of these lanes: whether the residual is
+// negative at some angle past stall.  To save time, the residual for sin(psi) = 0 alone is tested first.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
     if (!any(lanes)) return false;
     const Lanes stall = of.stall_angle(at, 1.0);
@@ -222,8 +222,8 @@ inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>
     return chosen;
 }
 
-// Return the fraction of the gap between two humps at which another hump is needed, because folds may hide there, or 0.
-// The height in between is interpolated by a cubic from values and derivatives.
+// Return where in the gap between two humps another hump is needed because folds may hide there, as a fraction of the gap;
+// 0 if none is needed.  The height in between is interpolated by a cubic from values and derivatives.
 inline double place_between(const Hump& a, const Hump& b, double tip) {
     const double gap = b.radius - a.radius;
     if (gap < 1e-5 * tip || gap > 0.2 * tip) return 0.0;
@@ -334,7 +334,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
     // Interpolated roots are too inexact for a sharper stall than the paper's (3 of 20,000 points erred by up to 0.2 %), and
-    // if the residual also bends away from stall.
+    // if the residual also bends elsewhere than near stall.
     if (of.stall_scale() < 1.0 || !of.bends_near_stall_only()) root = broadcast(std::nan(""));
     f.root = inflow_at_angle(of, at, stall + root);
     f.known &= f.hump == f.hump;

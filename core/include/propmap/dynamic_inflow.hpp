@@ -100,8 +100,8 @@ template <template <class> class LawOf> class DynamicInflow {
         if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
 
         // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow opposes
-        // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses -dg/dv_i, limited from below to
-        // 2 pi y W with Glauert's speed W: half of the momentum thrust (10) per v_i.
+        // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses the larger of -dg/dv_i and
+        // 2 pi y W, half of the momentum thrust (10) per v_i, with Glauert's speed W.
         const auto of = solver_->annuli(s);
         const Azimuths for_friction = s.psi.count > 4 ? azimuths(std::max(8, 2 * of.few.count)) : s.psi;
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);

@@ -17,7 +17,7 @@ inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, revers
 // Above this speed [m/s], loads are NaN, because rounding of squared speeds removes all smaller terms.
 inline constexpr double fastest_flow = 1e6;
 
-// Statuses in order of severity; if several apply, the solver returns the last.  The Python package sets `reversed`.
+// Statuses by increasing severity; if several apply, the solver returns the last.  The Python package sets `reversed`.
 enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, reversed, vortex_ring, not_converged };
 
 struct Result {  // at an operating point
@@ -46,7 +46,7 @@ struct Solution {
     Flow<double> flow{};
     Disk disk;
     Folds folds;
-    std::vector<bool> near_stall;  // for each block of nodes (disk.hpp): whether one is near stall
+    std::vector<bool> near_stall;  // for each block of nodes (disk.hpp): whether it contains a node near stall
     Azimuths psi;  // over which (5) to (7) are averaged
     bool windmill = false;  // whether (11) has the windmill branch
     Harmonics<double> harmonics{};
@@ -81,7 +81,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Modeled& rotor() const { return rotor_; }
 
-    // Set the flow (in descent with the static inflow), the branch of momentum theory and the azimuths.
+    // Set the flow (including the static inflow in descent), the branch of momentum theory and the azimuths.
     void prepare(const Flow<double>& at, Solution& s) const {
         s.flow = at;
         const auto hover = [&](double omega) { return hover_inflow(omega); };
