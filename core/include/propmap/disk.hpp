@@ -32,7 +32,7 @@ struct Disk {
     double radius(int node) const { return at[node / width].radius[node % width]; }
     int blocks() const { return (nodes + block - 1) / block; }
 
-    // Whether `several_roots` tests this group.  To save time, it tests every third pair of blocks, for any `width`.
+    // Whether `several_roots` tests this group: every third pair of blocks, to save time; the same blocks for each `width`.
     static bool counts_roots(int group) { return group * width / (2 * block) % 3 == 0; }
 
     // Call `each(node, panel, rule, k)` for node k of each panel.  Lanes after the last node repeat its panel and k.
@@ -123,10 +123,10 @@ template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>&
     return any(found);
 }
 
-inline constexpr double close_enough = 3e-6;  // last Newton step, relative to the speed; the next one would be 1e-11
+inline constexpr double close_enough = 3e-6;  // last Newton step, relative to `speed_scale`; the next one would be 1e-11
 
 // Improve the inflow at all nodes by at most `most` Newton steps.  A node has converged if its step is at most `close`
-// times the speed and the residual decreases with v_i.  Each step is computed for all groups before the next step, so
+// times `speed_scale` and the residual decreases with v_i.  Each step is computed for all groups before the next step, so
 // that the processor can overlap the groups.
 template <class R> void newton(const Annuli<R>& of, Disk& disk, const Azimuths& over, double close, int most) {
     disk.ended.assign(disk.groups, Mask{});
@@ -333,8 +333,8 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     }
     const Lanes stall = of.stall_angle(at, folds.side);
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
-    // Interpolated roots are too inexact for a sharper stall than the paper's (3 of 20,000 points erred by up to 0.2 %), and
-    // if the residual also bends elsewhere than near stall.
+    // Interpolated roots are too inexact if the residual bends elsewhere than near stall, or if stall is sharper than the
+    // paper's (3 of 20,000 points erred by up to 0.2 %).
     if (of.stall_scale() < 1.0 || !of.bends_near_stall_only()) root = broadcast(std::nan(""));
     f.root = inflow_at_angle(of, at, stall + root);
     f.known &= f.hump == f.hump;

@@ -10,8 +10,8 @@
 namespace propmap {
 
 // Advance ratios.  Above `follow_below` (climb) and `follow_descent_below` (descent), the radius of stall varies over
-// azimuth, and panels do not follow it.  Above `reversed_above`, reverse flow needs as many nodes as stall, and
-// `solve_attached` is not tried.
+// azimuth, and panels do not follow it.  Above `reversed_above`, `solve_attached` is not tried, because its proof fails in
+// reverse flow.
 inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
 
 // Above this speed [m/s], loads are NaN, because rounding of squared speeds removes all smaller terms.
@@ -94,7 +94,7 @@ template <template <class> class LawOf> class RotorSolver {
     double advance_ratio(const Flow<double>& at) const {  // V sin(beta)/(Omega R)
         return at.v_inplane == 0.0 ? 0.0 : at.v_inplane / (at.omega * rotor_.tip());
     }
-    // Of stall, relative to that of the paper; at least 1.
+    // Sharpness of stall, relative to the paper's; at least 1.
     double sharpness() const { return std::max(0.02 / rotor_.law.stall_width(), 1.0); }
 
     // Solve an operating point.
