@@ -396,7 +396,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
     for (int g = 0; g < disk.groups; ++g) {
         forecasts[g] = forecast(of, folds, disk.at[g]);
         const Lanes root = forecasts[g].root;
-        disk.inflow[g] = forecasts[g].known & (root == root) ? root : attached_guess(of, disk.at[g]);
+        disk.inflow[g] = (forecasts[g].known & (root == root)) ? root : attached_guess(of, disk.at[g]);
     }
     newton(of, disk, of.few, 1e-3, 4);
     newton(of, disk, of.psi, close_enough, 6);
