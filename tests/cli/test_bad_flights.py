@@ -186,7 +186,7 @@ def test_good_flights_and_the_order_that_was_named_give_no_remark(tmp_path: Path
 def test_flights_of_two_vehicles(tmp_path: Path) -> None:
     """The second one takes 15 % more rotor speed in hover: another mass or propeller."""
     (told,) = remarks_of(tmp_path, GOOD, scaled(ROTORS, 1.15)(GOOD))
-    assert "force / (mass * rotor speed^2) of log_0.csv is 1.32 times that of" in told
+    assert "log_0.csv: force / (mass * rotor speed^2) in slow flight is 1.32 times that" in told
     assert "log_1.csv" in told and "fit the flights one by one" in told
 
 

@@ -231,6 +231,6 @@ def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
     if ratio < OTHER_VEHICLE:
         return []
     return [
-        f"in slow flight, force / (mass * rotor speed^2) of {high} is {ratio:.2f} times that of "
+        f"{high}: force / (mass * rotor speed^2) in slow flight is {ratio:.2f} times that of "
         f"{low}: vehicle, mass or propeller differ; fit the flights one by one"
     ]
