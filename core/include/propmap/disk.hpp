@@ -10,7 +10,7 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // more than 960, the largest number in `Accuracy`, plus two nodes per panel
+inline constexpr int most_nodes = 1100;  // exceeds the largest number in `Accuracy`, 960, plus two per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
 inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, equal on all processors
 static_assert(width == block || width == 2 * block);
@@ -32,7 +32,7 @@ struct Disk {
     double radius(int node) const { return at[node / width].radius[node % width]; }
     int blocks() const { return (nodes + block - 1) / block; }
 
-    // Whether `several_roots` tests this group: every third pair of blocks, to save time; the same blocks for each `width`.
+    // Whether `several_roots` tests this group.  To save time, it tests only every third pair of blocks, for each `width`.
     static bool counts_roots(int group) { return group * width / (2 * block) % 3 == 0; }
 
     // Call `each(node, panel, rule, k)` for node k of each panel.  Lanes after the last node repeat its panel and k.
@@ -240,8 +240,8 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
         const double least = crosses ? 0.02 : 1e-6 * tip / gap;
         if (t[e] > least && t[e] < 1.0 - least) return t[e];
     }
-    // A top and a shoulder may be different humps.  The height then jumps between the two radii, and its change differs
-    // from the prediction of the slopes.  (Without this rule, loads changed at 2 of 5,000 random points by 3e-4.)
+    // A top at one radius and a shoulder at the other may be unrelated.  The height then jumps between the radii, and its
+    // change differs from the prediction of the slopes.  (Without this rule, loads changed at 2 of 5,000 points by 3e-4.)
     const double jump = b.height - a.height - 0.5 * gap * (a.slope + b.slope);
     if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < 4.0 * std::fabs(jump)) return 0.5;
     return (a.share < touching_height || b.share < touching_height) && gap > 0.012 * tip ? 0.5 : 0.0;
@@ -293,7 +293,7 @@ void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_s
 struct Forecast {
     Mask known{};   // whether there are humps nearby; if not, nothing else is known
     Mask single{};  // both humps are shoulders and the residual decreases with v_i: (11) has one root
-    Mask clear{};   // there is no other maximum of g between either hump and its `below`
+    Mask clear{};   // for both humps: g has no other maximum between the hump and `below`
     Mask attached{}, stalled{};  // the root is above the hump, or below it; both are false if either is possible
     Lanes hump, below;  // v_i of the hump, and a smaller v_i at which the residual is positive; NaN if unknown
     Lanes root;         // estimate of the largest root; NaN if unknown

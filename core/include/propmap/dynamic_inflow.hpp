@@ -101,7 +101,7 @@ template <template <class> class LawOf> class DynamicInflow {
 
         // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow opposes
         // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses the larger of -dg/dv_i and
-        // 2 pi y W, half of the momentum thrust (10) per v_i, with Glauert's speed W.
+        // 2 pi y W, half of (10) / v_i (W: Glauert's speed).
         const auto of = solver_->annuli(s);
         const Azimuths for_friction = s.psi.count > 4 ? azimuths(std::max(8, 2 * of.few.count)) : s.psi;
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);

@@ -186,7 +186,7 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6, for a sharper stall 8.
+    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 6, or 8 for a sharper stall.
     Annuli<Modeled> annuli(const Solution& s) const {
         const int least = sharpness() > 1.0 ? 8 : 6;
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(least, 2 * (s.psi.count / 4))) : s.psi;
@@ -197,7 +197,7 @@ template <template <class> class LawOf> class RotorSolver {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
-    // Loads per density with harmonics, their derivatives with respect to the harmonics, and the integrand for `tail`.
+    // Compute loads per density, derivatives of the loads with respect to the harmonics, and the integrand for `tail`.
     void loads_and_slopes(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
