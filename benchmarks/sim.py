@@ -3,7 +3,7 @@
 A quadrotor of 1.2 kg on APC 8x6E in oblique flight, each rotor at another speed, in steps of a
 millisecond by Euler: one evaluation of the forces a step.  Times are wall time, the least of many
 short flights, since others may be at work on the machine; compare within one run.  With the core,
-a flight begins with a static solution for the steady inflow.
+a flight begins with the steady inflow.
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ def gradients(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
 
 
 def inflow_as_state(rotor: Rotor) -> dict[str, float]:
-    """Return times [us]: the wrench of the static solution, a step of the dynamic inflow, and a
+    """Return times [us]: the wrench of the steady solution, a step of the dynamic inflow, and a
     call that returns both the wrench and the state after the step, for one rotor and for four."""
     inflow, flight = DynamicInflow(rotor), (600.0, [8.0, 0.0, 2.0])
     state = 0.9 * inflow.steady(*flight)

@@ -614,7 +614,7 @@ class FreeBody {
     // or speed, add nothing and return the first such rotor.  `pose`: position and quaternion.  `motion`: velocity of the
     // origin (world frame) and angular velocity (body frame).  `omega` and `change` have one number per rotor.  `codes`
     // receives the status of each rotor, and its worst status so far.  `inflow` contains the inflow states of the rotors;
-    // `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to static solutions.
+    // `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to steady solutions.
     std::optional<std::size_t> push(Vector pose, Vector motion, Vector wind, Vector omega, Vector change, Forces forces, Codes codes,
                                     Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();

@@ -29,7 +29,7 @@ HEADER = """Columns; errors are errors of the final thrust, over the static thru
 5. largest error of runs without stall
 Runs with stall, if there are any:
 6. number of runs
-7. fraction of runs that end on the branch of the static solution
+7. fraction of runs that end on the branch of the steady solution
 8. largest error on this branch
 9. largest error of all runs with stall
 """

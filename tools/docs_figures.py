@@ -229,7 +229,7 @@ def mission(found: dict[str, Any]) -> Figure:
 
 
 def inflow_lag() -> Figure:
-    """Draw the thrust of a 10x4.5 propeller with dynamic and with static inflow.
+    """Draw the thrust of a 10x4.5 propeller with dynamic and with quasi-static inflow.
 
     Left: the tip speed steps from 50 to 60 m/s in hover.  Right: to brake at a tip speed of
     60 m/s and an airspeed of 12 m/s, the disk turns from 20 deg nose down to 25 deg up in 0.1 s.
@@ -263,7 +263,7 @@ def inflow_lag() -> Figure:
             axes.set_title(f"{name}\n{found}", fontsize=9.0)
             axes.set_xlabel("time [ms]")
             axes.set_ylabel("thrust [N]")
-        handles = [key("dynamic inflow", color=BLUE), key("static inflow", color=RED)]
+        handles = [key("dynamic inflow", color=BLUE), key("quasi-static inflow", color=RED)]
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 

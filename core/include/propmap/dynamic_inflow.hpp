@@ -2,7 +2,7 @@
 //
 // The state contains the inflow v_j of eq. (11) at the nodes (fixed radii y_j) and the harmonics v_0, v_s and v_c
 // around the disk.  T is the thrust, L the moment that lifts the advancing side, and M the moment that lifts the rear,
-// all divided by the density.  h_0, h_s and h_c are the static harmonics for these loads (`HarmonicResponse`).  The
+// all divided by the density.  h_0, h_s and h_c are the steady harmonics for these loads (`HarmonicResponse`).  The
 // equations are
 //
 //     16/3 R y_j  dv_j/dt = residual of eq. (11) at y_j
@@ -13,7 +13,7 @@
 // The apparent masses of the annuli add up to 8/3 R^3, the apparent mass of a disk with uniform inflow (Carpenter &
 // Fridovich, NACA TN 3044, 1953).  The gains k_0, k_s and k_c are `mean_by_thrust`, `by_roll` and `by_rear`.  With these
 // gains, v_0, v_s and v_c have the time constants of Pitt & Peters, Vertica 5(1), 1981.  If all rates vanish, the state
-// is a static solution.
+// is a steady solution.
 #pragma once
 
 #include "rotor.hpp"
@@ -74,7 +74,7 @@ template <template <class> class LawOf> class DynamicInflow {
 
     int size() const { return harmonics_first + nodes_; }  // number of values in a state
 
-    // Write the static solution at an operating point to `state`: the largest root of (11) at each node.
+    // Write the steady solution at an operating point to `state`: the largest root of (11) at each node.
     void steady(const Flow<double>& at, const Heading& heading, double* state) const {
         thread_local Solution s;
         solver_->solve_at_nodes(at, nodes_, s);

@@ -198,7 +198,7 @@ class HubLoss(Correction):
 
 @dataclass(frozen=True)
 class PittPeters(InflowShape):
-    """Static inflow of Pitt and Peters, with feedback of the moments.
+    """Steady inflow of Pitt and Peters, with feedback of the moments.
 
     A part of the disk with more lift has more downwash.  The mean inflow is the solution of eq.
     (11), averaged over the disk; Pitt and Peters use a uniform mean inflow.
