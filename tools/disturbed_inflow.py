@@ -19,9 +19,9 @@ from propmap.typing import Floats
 
 NAMES = ("APC 8x6E", "HQ 5x4.3x3", "10x4.5", "paper-stiff", "paper-apc")
 RUNS, SECONDS, STEPS = 1000, 10.0, (5e-4, 2e-3, 5e-3, 2e-2, 5e-2)
-SAME_BRANCH = 3e-3  # largest error of thrust on the same branch, over the static thrust at rest
+SAME_BRANCH = 3e-3  # largest error of thrust on the same branch, over the static thrust
 
-HEADER = """Columns; errors are errors of the final thrust, over the static thrust at rest:
+HEADER = """Columns; errors are errors of the final thrust, over the static thrust:
 1. rotor
 2. number of values in a state
 3. number of runs with NaN
