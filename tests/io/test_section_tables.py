@@ -168,6 +168,23 @@ def test_units_in_the_row_below_the_names_are_read(tmp_path: Path, unit: str, di
     assert table.reynolds == REYNOLDS[0]
 
 
+def test_blank_units_below_the_names_leave_the_names(tmp_path: Path) -> None:
+    rows = "".join(f"{angle},1e5,{0.01 * angle},0.02\n" for angle in range(-180, 181, 20))
+    path = tmp_path / "polar.csv"
+    tables = []
+    for units in ("", ",-,-,-\n", ",-\n"):
+        path.write_text(f"alpha_deg,re,cl,cd\n{units}{rows}")
+        tables.append(read_section_table(path))
+    assert all(np.array_equal(table.lift, tables[0].lift) for table in tables[1:])
+
+
+def test_a_damaged_row_in_place_of_the_units_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "polar.csv"
+    path.write_text("alpha_deg,cl,cd\n-:0.02\n4,0.7,0.02\n8,1.0,0.03\n")
+    with pytest.raises(InputError, match=r"line 1: column alpha_deg is missing.*units below it"):
+        read_section_table(path)
+
+
 def test_a_folder_of_polars_is_continued_past_stall(tmp_path: Path) -> None:
     angle = np.arange(-14.0, 18.1, 0.5)
     for re in REYNOLDS:

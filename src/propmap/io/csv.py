@@ -90,8 +90,8 @@ def read_csv_table(
         for _, row, place in cells:
             row[place] = row[place].replace(",", ".")
     if comments and rows and not any(map(_MARKED.fullmatch, rows[0][1])):
-        units = rows.pop(0)[1]
-        header = [f"{name} [{unit}]" for name, unit in zip(header, units, strict=False)]
+        named = itertools.zip_longest(header, rows.pop(0)[1], fillvalue="")
+        header = [f"{name} [{unit}]" if unit else name for name, unit in named]
     return CsvTable(line, header, rows, [_uncovered(text, separator) for text in remarks])
 
 

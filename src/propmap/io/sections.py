@@ -156,6 +156,9 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     assert file is not None
     found = Header(file.header, CSV_COLUMNS)
     taken = {name: one for name in CSV_COLUMNS if (one := found.one_of(name)) is not None}
+    if missing := {"alpha_deg", "cl", "cd"} - taken.keys():
+        fault = f"column {sorted(missing)[0]} is missing; {found.listed()}"
+        raise InputError(fault, "correct the header or the units below it", f"line {file.line}")
     above = _reynolds(lines[:start])
     tables: dict[float, list[Row]] = {}
     for number, cells in file.rows:
