@@ -131,6 +131,14 @@ def test_scatter_and_missing_loads_are_no_unit_error() -> None:
     assert load_warnings(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
 
 
+@pytest.mark.parametrize("name", ["thrust", "torque"])
+def test_a_load_that_is_mostly_zero_is_named(name: str) -> None:
+    loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
+    loads[name][:2] = 0.0
+    (told,) = load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads)
+    assert f"{name} is 0 times the estimate" in told
+
+
 def test_a_single_row_of_another_sign_is_told() -> None:
     loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
     assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads) == []

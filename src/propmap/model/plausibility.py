@@ -343,7 +343,8 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
 def _out_of_proportion(ratios: Mapping[str, float], ideal: float, *, by_power: bool) -> list[str]:
     """Return warnings of a thrust and a torque that are plausible alone but not together; ``ideal``
     is the ratio of ideal power to shaft power."""
-    if not {"thrust", "torque"} <= set(ratios):
+    # The warning of a wrong size names a load that is zero.
+    if not {"thrust", "torque"} <= set(ratios) or 0.0 in ratios.values():
         return []
     share = ratios["torque"] / ratios["thrust"]
     if share > MOST_FOR_THRUST[not by_power]:
