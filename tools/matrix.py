@@ -119,7 +119,8 @@ class Matrix:
 def main(dist: Path, pythons: tuple[str, ...]) -> None:
     """Test and print all environments; end with an error if tests failed in one of them."""
     cases = [(python, "c++", age) for python in pythons for age in AGES]
-    # Python 3.12 and later use the stable ABI, whose headers include less.
+    # Builds for Python 3.12 and later use the stable ABI, whose headers include fewer headers of
+    # the C library.  A missing header may fail only there.
     for python in dict.fromkeys((pythons[0], pythons[-1])):
         cases += [(python, compiler, "newest") for compiler in ("clang++", "zig")]
     heads = (

@@ -207,8 +207,8 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     order = ", ".join(str(number + 1) for number in best)
     raise InputError(
         "the rotor speeds do not explain how the vehicle turned (correlation "
-        f"{given:.2f}); the columns of rotors 1 to {count} fit rotors {order} (correlation "
-        f"{found:.2f})",
+        f"{given:.2f}); the columns of rotors 1 to {count}, in this order, fit rotors {order} "
+        f"(correlation {found:.2f})",
         "correct rotor_order, the columns, or the positions of the [[rotors]]",
         log.source,
     )

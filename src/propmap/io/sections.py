@@ -100,8 +100,8 @@ def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read the polars of all Reynolds numbers.  A row contains the angle, and C_L, C_D and C_m for
-    each Reynolds number, followed by three more coefficients if the polars are decomposed."""
+    """Read the polars of all Reynolds numbers.  A row contains the angle, then three coefficients
+    for each Reynolds number (C_L, C_D, C_m), or six if the polars are decomposed."""
     start = next((k for k, (_, line) in enumerate(lines) if _is_row(line)), len(lines))
     head = [line.partition(" - ")[0].split() for _, line in lines[:start]]
     listed = next((words for words in head if "REYNOLDS" in words), [])
@@ -237,7 +237,8 @@ FORMATS = (
 )
 ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of polars in a folder
 RADIANS = 3.2  # limit of angles: polars in radians do not exceed it, polars in degrees do
-LEAST_REYNOLDS, LARGEST_REYNOLDS = 100.0, 1e9  # other values are in thousands, or converted twice
+LEAST_REYNOLDS = 100.0  # smaller values are in thousands
+LARGEST_REYNOLDS = 1e9  # larger values were multiplied by their unit twice
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
 SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest C_L and relative C_D difference of repeated rows
 
@@ -370,8 +371,9 @@ def all_round(polar: Polar) -> tuple[Polar, str]:
     Past stall, C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
     Horizontal Axis Wind Turbines", NASA CP-2230, 1981): values of a finite plate, matched to the
     last row of the polar.  Beyond +-90 degrees, in reverse flow, the lift is 0.7 times the plate
-    value.  Between the mirrored last row and the first row, both coefficients are linear.  Raise
-    ``InputError`` for a polar that ends before stall, or far past stall but not at 180 degrees.
+    value.  Negative angles mirror these values.  From the mirrored last row to the first row, both
+    coefficients are linear.  Raise ``InputError`` for a polar that ends before stall, or far past
+    stall but not at 180 degrees.
     """
     ends = polar.angle[[0, -1]]
     if ends[1] - ends[0] >= CLOSED:
