@@ -26,12 +26,12 @@ HEADER = """Columns; errors are errors of the final thrust, over the static thru
 2. number of values in a state
 3. number of runs with NaN
 4. largest inflow of all runs, over the steady inflow or the hover inflow, whichever is larger
-5. largest error of runs without stall
-Runs with stall, if there are any:
+5. largest error of runs in which eq. (11) has one solution at all radii (accuracy "fine")
+All other runs, if there are any:
 6. number of runs
 7. fraction of runs that end on the branch of the steady solution
 8. largest error on this branch
-9. largest error of all runs with stall
+9. largest error of all these runs
 """
 
 
@@ -72,7 +72,7 @@ def main(*names: str) -> None:
             if name.startswith("paper")
             else propmap.catalogue_model(name)
         )
-        rotor = propmap.Rotor(model)
+        rotor, fine = propmap.Rotor(model), propmap.Rotor(model, accuracy="fine")
         inflow = propmap.DynamicInflow(rotor)
         lost, largest, errors, stalls = 0, 0.0, [], []
         for dt in STEPS:
@@ -94,7 +94,7 @@ def main(*names: str) -> None:
             found, want = (inflow.loads(x, omega, velocity).thrust for x in (state, steady))
             at_rest = abs(rotor.loads(omega, 0.0, 0.0).thrust)
             errors.append(abs(found - want) / at_rest)
-            stalls.append(rotor.loads_at_velocity(omega, velocity).roots > 1)
+            stalls.append(fine.loads_at_velocity(omega, velocity).roots > 1)
         error, several = np.concatenate(errors), np.concatenate(stalls)
         line = (
             f"{name}; {inflow.size}; {lost}; {largest:.2f}; {error[~several].max(initial=0.0):.1e}"

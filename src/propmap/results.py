@@ -82,7 +82,8 @@ class Loads(LoadValues):
           are not reliable.
         - "not_converged": the loads are NaN.
     roots : ndarray of int
-        Largest number of solutions of eq. (11) along the blade.
+        Number of solutions of eq. (11), 1 or 3: the largest number at the radii of the quadrature.
+        A range of radii with three solutions is missed if it lies between two of these radii.
     reverse_flow : ndarray
         Share of the disk area in which the air meets the blades from behind [-].
     vortex_ring : ndarray

@@ -68,7 +68,7 @@ template <class R> Lanes speed_scale(const Annuli<R>& of, const Station<Lanes>& 
 
 // Angle of attack relative to zero lift [rad] at the velocity (U_T, U_P).
 inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
-    const Lanes per = inverse_square_root(u_t * u_t + u_p * u_p + 1e-30);
+    const Lanes per = 1.0 / square_root(u_t * u_t + u_p * u_p + 1e-30);
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
@@ -91,8 +91,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     Lanes v = square_root(maximum(lift, 0.0)) + 1.5 * std::max(-f.v_axial, 0.0);
     for (int step = 0; step < 4; ++step) {
         const Lanes u = f.v_axial + v;
-        const Lanes square = speed_squared(f.v_inplane, u), per = inverse_square_root(square), w = square * per;
-        v = v + (lift - loss * u - v * w) / (loss + maximum(w + v * u * per, 1e-3 * w));
+        const Lanes w = square_root(speed_squared(f.v_inplane, u));
+        v = v + (lift - loss * u - v * w) / (loss + maximum(w + v * u / w, 1e-3 * w));
     }
     return v;
 }

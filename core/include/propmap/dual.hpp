@@ -106,11 +106,8 @@ template <IsDual T> T absolute(const T& x) {
 }
 
 template <IsDual T> auto square_root(const T& x) {
-    return chain(x, square_root(x.v), 0.5 * inverse_square_root(x.v));
-}
-template <IsDual T> auto inverse_fourth_root(const T& x) {
-    auto r = inverse_fourth_root(x.v), square = r * r;
-    return chain(x, r, -0.25 * r * square * square);
+    const auto root = square_root(x.v);
+    return chain(x, root, 0.5 / root);
 }
 template <IsDual T> auto logarithm(const T& x) { return chain(x, logarithm(x.v), 1.0 / x.v); }
 template <IsDual T> auto power_of_two(const T& x) {

@@ -22,9 +22,8 @@ template <class St, class F, class V, class A>
 auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_psi) {
     const auto u_t = flow.omega * at.radius + flow.v_inplane * sine_psi;  // Eq. (1)
     const auto u_p = flow.v_axial + inflow;                               // Eq. (2)
-    const auto squared = speed_squared(value(u_t), value(u_p));
-    const auto per_root = inverse_fourth_root(squared);  // U^(-1/2)
-    const auto per_u = per_root * per_root, speed = squared * per_u;
+    const auto speed = square_root(speed_squared(value(u_t), value(u_p))), per_u = 1.0 / speed;
+    const auto per_root = square_root(per_u);  // U^(-1/2)
     const auto sin_phi = value(u_p) * per_u, cos_phi = value(u_t) * per_u;
     // For derivatives: a change of velocity along the flow changes U, a change across the flow changes phi.
     const auto u = chain(u_t, u_p, speed, cos_phi, sin_phi);
@@ -215,7 +214,7 @@ template <class R, class St, class F, class V>
     const auto viscous = [&](const auto& square) {
         const auto speed = square_root(square);
         const auto reynolds = at.reynolds_per_speed * speed;
-        const auto root_re = at.inverse_root * inverse_fourth_root(square);
+        const auto root_re = at.inverse_root / square_root(speed);
         const std::remove_const_t<decltype(speed)> none{};
         const Angle<std::remove_const_t<decltype(none)>> zero{value(none), value(none) + 1.0, none};
         const SectionFlow section{zero, zero, speed, reynolds, root_re, at.lift_growth, at.drag_growth};

@@ -30,8 +30,9 @@ struct Result {  // at an operating point
 };
 
 // Limit of the last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
-// step to first order; the error, of second order, is at most 3e-8 of the static loads.
-inline constexpr double harmonics_close = 2e-5;
+// step to first order; the error, of second order, is at most 3e-8 of the static loads.  A steady state of dynamic
+// inflow needs a smaller limit, because a simulation ends closer to the solution.
+inline constexpr double harmonics_close = 2e-5, harmonics_steady = 1e-7;
 
 // Convert the blades' loads per density to the rotor's loads [N], [N m]: apply mount, ground, ceiling and density.
 template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
@@ -143,7 +144,7 @@ template <template <class> class LawOf> class RotorSolver {
     void solve_at_nodes(const Flow<double>& at, int count, Solution& s) const {
         prepare(at, s);
         if (!attached_at(s, count)) solve_stalled(s, false, count);
-        find_loads(s);
+        find_loads(s, harmonics_steady);
         set_status(s, false);
     }
 
@@ -216,12 +217,12 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Compute the loads of a disk whose inflow is known, and the harmonics of this inflow.
-    void find_loads(Solution& s) const {
+    void find_loads(Solution& s, double close = harmonics_close) const {
         thread_local std::vector<Lanes> inflow;
         thread_local std::vector<double> integrand(2 * most_nodes);
         const bool around = has_harmonics(s);
         blend(s, inflow);
-        const auto total = around ? find_harmonics(s, inflow, s.result.ring, integrand.data()) : Loads<double>{};
+        const auto total = around ? find_harmonics(s, inflow, s.result.ring, close, integrand.data()) : Loads<double>{};
         add_loads(s, inflow, around, total, integrand.data());
     }
 
@@ -306,8 +307,9 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Solve for the harmonics and the loads, which depend on each other.  Newton's method starts from zero harmonics, first
-    // over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
-    Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
+    // over few azimuths.  Usually it needs one more step, over all azimuths.  `close` is the limit of the last step.
+    Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double close,
+                                 double* integrand) const {
         const auto response = harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()).faded(1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
         Loads<double> loads{}, by[3];
@@ -340,13 +342,13 @@ template <template <class> class LawOf> class RotorSolver {
                 without += sum(s.disk.weight[g] * wake_thrust(rotor_, s.disk.at[g].radius, s.flow, s.windmill, s.disk.inflow[g]));
         }
         size = INFINITY;
-        for (int step = 0; step < 40 && size > harmonics_close; ++step) {
+        for (int step = 0; step < 40 && size > close; ++step) {
             loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
             step_to(without);
             if (!std::isfinite(size)) break;
         }
         s.harmonics = h;
-        if (!(size <= harmonics_close))
+        if (!(size <= close))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
     }

@@ -103,7 +103,7 @@ template <class S> struct BlendedLaw {
     template <class C, class V> auto separated_share(const C& change, const V& sine, const V& cosine) const {
         const V lift = sine * cosine, slope = cosine * cosine - sine * sine;
         if (plate == 0.0) return chain(change, lift, slope);
-        const V per = reciprocal(V(1.0 - plate + plate * absolute(sine)));
+        const V per = 1.0 / (1.0 - plate + plate * absolute(sine));
         return chain(change, lift * per, (slope - plate * absolute(sine) * cosine * cosine * per) * per);
     }
 
@@ -115,7 +115,7 @@ template <class S> struct BlendedLaw {
         const auto exponent = sharpness * (absolute(angle) - alpha_0);
         const auto limit = broadcast_like(value(exponent), most);
         const auto x = power_of_two(log2_e * maximum(minimum(value(exponent), limit), -limit));
-        const auto per = reciprocal((1.0 + x) * (x + value(far)));
+        const auto per = 1.0 / ((1.0 + x) * (x + value(far)));
         const auto share = attached * x * per;
         return chain(exponent, far, share, share * (value(far) - x * x) * per, -share * per * (1.0 + x));
     }
