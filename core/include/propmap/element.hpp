@@ -54,7 +54,7 @@ auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow
 
 // Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with the same inflow at all azimuths.
 // The flow at the next azimuth is computed before the forces at this azimuth.  The latency of the flow's
-// square roots and divisions then overlaps with the computation of forces.  This saves a third of the time of an element.
+// square roots and divisions then overlaps with the computation of forces.  This saves up to a tenth of the time.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     auto next = element_flow(at, flow, inflow, psi.sine[0]);
