@@ -1,13 +1,13 @@
-"""WISDEM's CCBlade set up as a propeller, for `python -m benchmarks.peers`.
+"""WISDEM's CCBlade, configured for a propeller, for `python -m benchmarks.peers`.
 
-CCBlade is blade-element momentum theory of wind turbines; where the rotor is yawed it solves each
-azimuth sector by itself.  A turbine's angle of attack is the inflow angle less the twist, a
-propeller's the twist less the inflow angle.  So the section law goes in mirrored,
-C_l(a) -> -C_l(-a), C_d(a) -> C_d(-a); twist and sense of rotation stay, climb is wind from ahead,
-and the propeller's thrust and torque are CCBlade's with the sign reversed.  What the paper's
-theory has not is off: losses at tip and hub, rotation of the wake, and the wind shear that CCBlade
-has by default.  In axial flow both then solve the same equations, but for the friction's Reynolds
-number.
+CCBlade applies blade element momentum theory to wind turbines.  In yawed flow, it solves each
+azimuth sector independently.  The angle of attack of a turbine is the inflow angle minus the twist;
+that of a propeller is the twist minus the inflow angle.  The section law is therefore mirrored,
+C_l(a) -> -C_l(-a), C_d(a) -> C_d(-a).  Twist and direction of rotation are unchanged, climb is wind
+from ahead, and thrust and torque have the opposite sign.  Effects that the paper's theory does not
+contain are switched off: tip loss, hub loss, rotation of the wake, and CCBlade's default wind
+shear.  In axial flow, both tools then solve the same equations, except that CCBlade uses one
+Reynolds number for the skin friction of all sections.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ Point = tuple[float, float, float]
 """omega [rad/s], speed [m/s], beta [rad]."""
 
 NOMINAL_OMEGA, NOMINAL_SHARE = 6000.0 * RPM, 0.75
-"""[rad/s], and share of the radius: where the Reynolds number of the section's table is taken."""
+"""Speed [rad/s] and y/R at which the Reynolds number of the section table is computed."""
 
 ANGLES = 7201
-"""Points of the section's table: CCBlade smooths it by a sum of squares, with so many by little."""
+"""Number of angles in the section table.  CCBlade smooths it; many angles limit the change."""
 
 
 class Grid(NamedTuple):
@@ -44,14 +44,15 @@ class Grid(NamedTuple):
 
 
 REFERENCE = Grid(960, 72)
-"""CCBlade's error falls slowly and unevenly in oblique flow: stall begins between two stations."""
+"""Grid of the reference.  In oblique flow, errors decrease slowly, because stall begins between
+stations."""
 
 
 def ccblade_module() -> Any:
-    """CCBlade's module; ``ModuleNotFoundError`` without WISDEM.
+    """Return CCBlade's module, or raise ``ModuleNotFoundError`` without WISDEM.
 
-    ``import wisdem`` would load all of WISDEM and some ninety packages, of which CCBlade needs
-    none but NumPy and SciPy; so the package is entered without running its ``__init__``.
+    ``import wisdem`` would load all of WISDEM and about ninety packages, of which CCBlade requires
+    only NumPy and SciPy.  This function therefore does not run the ``__init__`` of the package.
     """
     if "wisdem" not in sys.modules:
         found = importlib.util.find_spec("wisdem")
@@ -79,10 +80,10 @@ class CCBladePropeller:
         self.foil = self.module.CCAirfoil(degrees, [self.reynolds], -lift, drag)
 
     def model(self, grid: Grid, beta: float, *, derivatives: bool = False) -> Any:
-        """CCBlade's rotor at an angle to the flow, beta [rad].
+        """Return CCBlade's rotor at an angle beta [rad] between axis and flow.
 
-        Stations are closest at root and tip, where CCBlade's integral runs out to zero load;
-        evenly spaced ones have several times the error.
+        Stations are dense at root and tip, because CCBlade integrates from and to zero load there.
+        Equally spaced stations have errors that are several times as large.
         """
         blade, air = self.rotor.model.propeller, self.rotor.model.air
         turn = np.pi * np.arange(1, grid.stations + 1) / (grid.stations + 1)
@@ -111,9 +112,9 @@ class CCBladePropeller:
 
 
 def thrust_torque(model: Any, point: Point) -> tuple[float, float]:
-    """Thrust [N] and torque [N m]; NaN where CCBlade has none.
+    """Return thrust [N] and torque [N m], or NaN if CCBlade finds no solution.
 
-    It leaves the load at zero, with or without a warning, where it finds none.
+    CCBlade then returns zero, with or without a warning.
     """
     omega, speed, _ = point
     with warnings.catch_warnings(record=True) as told:
@@ -126,14 +127,14 @@ def thrust_torque(model: Any, point: Point) -> tuple[float, float]:
 
 
 def over_package(peer: CCBladePropeller, grid: Grid, point: Point) -> dict[str, float]:
-    """CCBlade's thrust and torque over the package's."""
+    """Return CCBlade's thrust and torque divided by propmap's."""
     thrust, torque = thrust_torque(peer.model(grid, point[2]), point)
     ours = peer.rotor.loads(*point)
     return {"thrust": float(thrust / ours.thrust), "torque": float(torque / ours.torque)}
 
 
 def evaluate_seconds(model: Any, point: Point) -> float:
-    """Median time of one evaluation."""
+    """Return the median time of one evaluation [s]."""
     omega, speed, _ = point
     return median_seconds(lambda: model.evaluate([speed], [omega / RPM], [0.0]), 3)
 
@@ -141,7 +142,7 @@ def evaluate_seconds(model: Any, point: Point) -> float:
 def ladder(
     peer: CCBladePropeller, grids: list[Grid], points: list[Point], static: Floats
 ) -> dict[Grid, Floats]:
-    """Errors (points,) of the thrust against ``REFERENCE``, shares of the thrusts static [N]."""
+    """Return errors (points,) of the thrust of each grid, divided by ``static`` [N]."""
 
     def thrust(grid: Grid) -> Floats:
         return np.array([thrust_torque(peer.model(grid, p[2]), p)[0] for p in points])
@@ -152,12 +153,15 @@ def ladder(
 
 
 def largest(errors: Floats) -> float | None:
-    """The largest of the errors; None where some load was not found."""
+    """Return the largest error, or None if CCBlade did not find all loads."""
     return float(errors.max()) if np.isfinite(errors).all() else None
 
 
 def choose(errors: dict[Grid, Floats], allowed: float) -> tuple[Grid, bool]:
-    """The cheapest grid within the allowed error, or else the best; and whether it is within."""
+    """Return the cheapest grid within the allowed error, or else the most accurate one.
+
+    Also return whether the error is within the allowed one.
+    """
     good = [grid for grid, off in errors.items() if off.max() <= allowed]
     if good:
         return min(good, key=lambda grid: grid.stations * grid.sectors), True

@@ -1,20 +1,21 @@
-"""How fast beside other tools at no worse an error: `make bench ONLY=peers`.
+"""Compare the time of a load evaluation with other tools, at equal or smaller numerical error.
 
-Writes results/peers.json.
+Usage: `make bench ONLY=peers`.  Writes results/peers.json.
 
-The APC 8x6E with ``paper-apc`` at 6000 rpm: hover, climb, two oblique points at 10 m/s, and the
-mixed oblique batch of `benchmarks.speed`.  Beside the package, its table and the table's C header:
-WISDEM's CCBlade (see `benchmarks.peer_ccblade`) and RotorPy's rotor model, which has no
-geometry but constants fitted to the table.  AeroSandbox is left out: of propellers it has the
-actuator disk's power for a given thrust and correlations of mass, no blades.
+The rotor is the APC 8x6E with ``paper-apc`` at 6000 rpm, in hover, in climb, at two oblique points
+at 10 m/s, and in the batch of oblique points of `benchmarks.speed`.  propmap's model, its table and
+the C header of the table are compared with WISDEM's CCBlade (`benchmarks.peer_ccblade`).  The time
+of RotorPy's rotor model is listed, too.  This model has no blade geometry; its constants are fitted
+to the table.  AeroSandbox is omitted: it computes the power of an actuator disk for a given thrust
+and has no blades.
 
-Errors are numerical, of the thrust, in shares of the static thrust at the same rotational speed:
-the package's against its setting ``fine``, CCBlade's against itself on a far finer grid.  CCBlade
-is timed on one grid for climb and one for all oblique points, as the package has one setting: the
-cheapest of a ladder whose largest error is no larger than the package's largest ("measured"),
-or than the package's setting promises ("promised"); the best of the ladder where none is.  Times
-are medians of wall time after a first call; the C header's and RotorPy's the least processor time,
-as in `benchmarks.table`.
+Errors are numerical errors of the thrust, divided by the static thrust at the same rotational
+speed.  The reference of propmap is its accuracy ``fine``; the reference of CCBlade is CCBlade with
+a much finer grid.  CCBlade is timed with one grid in climb and one grid at all oblique points.
+Each is the cheapest grid whose largest error does not exceed propmap's largest error ("measured")
+or 0.1 %, the limit of accuracy ``standard`` ("promised").  If no grid is sufficient, the most
+accurate grid is used.  Times are medians of the wall time after a first call.  For the C header and
+RotorPy, they are the smallest processor times, as in `benchmarks.table`.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ CASES: dict[str, Point] = {
 
 MIXED = "mixed"
 SAMPLE = 8
-"""Points of the mixed batch whose error is found, and on which CCBlade is timed."""
+"""Number of points of the mixed batch at which errors and the time of CCBlade are measured."""
 
 STATIONS, SECTORS = (15, 30, 60, 90, 120, 180, 240), (4, 8, 16, 36)
 AXIAL_GRIDS = [Grid(stations, 1) for stations in STATIONS]
@@ -68,10 +69,10 @@ TILTED_GRIDS = [Grid(*pair) for pair in itertools.product(STATIONS, SECTORS)]
 
 BOUNDS = ("measured", "promised")
 PROMISE = 1e-3
-"""Error of the package's setting ``standard``, as a share of the static thrust."""
+"""Largest error of the accuracy ``standard``, divided by the static thrust."""
 
 CLIMB = (1.0, 5.0, 10.0)
-"""Speeds [m/s] at which CCBlade and the package, solving the same equations, are compared."""
+"""Speeds of climb [m/s] at which the loads of CCBlade and propmap are compared."""
 
 ENVELOPE: dict[str, Any] = {
     "omega": (3000.0 * RPM, 10000.0 * RPM),
@@ -79,31 +80,34 @@ ENVELOPE: dict[str, Any] = {
     "beta": (0.0, 0.5 * np.pi),
 }
 TOLERANCE = 0.01
-"""Tolerance of the table, over the mixed batch's envelope and hover and climb besides."""
+"""Tolerance of the table.  Its envelope contains the mixed batch, hover and climb."""
 
 SINGLE = 200
-"""Queries of the table that are timed together."""
+"""Number of calls of the table in one measurement of time."""
 
 
 def sample() -> tuple[list[str], list[Point]]:
-    """Names and points of the cases and of the first of the mixed batch."""
+    """Return names and points of all cases, followed by the first points of the mixed batch."""
     mixed = [tuple(map(float, p)) for p in np.stack(oblique(BATCH), axis=-1)[:SAMPLE]]
     return [*CASES, *[MIXED] * SAMPLE], [*CASES.values(), *mixed]  # type: ignore[list-item]
 
 
 def repeated(point: Point) -> tuple[Floats, Floats, Floats]:
-    """The batch of one point, (BATCH,) each."""
+    """Return omega, speed and beta, (BATCH,) each, of a batch of equal points."""
     omega, speed, beta = (np.full(BATCH, x) for x in point)
     return omega, speed, beta
 
 
 def by_name(names: list[str], errors: Floats) -> dict[str, float]:
-    """The largest error of each case."""
+    """Return the largest error of each case."""
     return {name: float(max(errors[k] for k, n in enumerate(names) if n == name)) for name in names}
 
 
 def times(one: Rotor | LoadTable, calls: int, repeats: int) -> dict[str, dict[str, float]]:
-    """Times [us] of single calls, ``calls`` together, and per point of batches, by case."""
+    """Return times [us] of single calls and per point of batches, for each case.
+
+    A measurement of single calls contains ``calls`` calls.
+    """
 
     def single(point: Point) -> float:
         def loop() -> None:
@@ -123,7 +127,7 @@ def times(one: Rotor | LoadTable, calls: int, repeats: int) -> dict[str, dict[st
 
 
 def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
-    """Times [us] and errors of the full model and of the table, and the static thrust [N]."""
+    """Return times [us] and errors of model and table, and the static thrust [N] at each point."""
     names, points = sample()
     omega, speed, beta = np.array(points).T
     truth = Rotor(rotor.model, accuracy="fine").loads(omega, speed, beta).thrust
@@ -145,14 +149,14 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
 
 
 def gradient_microseconds(rotor: Rotor, point: Point) -> float:
-    """Time [us] of all loads with their derivatives by omega and the velocity."""
+    """Return the time [us] of all loads and their derivatives by omega and velocity."""
     omega, speed, beta = point
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     return 1e6 * median_seconds(lambda: rotor.gradients(FLOW, *flow), 200)
 
 
 def ccblade(rotor: Rotor, static: Floats, bounds: dict[str, float]) -> dict[str, Any]:
-    """CCBlade's grids, errors and times [us] for each bound, and its loads beside the package's."""
+    """Return grids, errors and times [us] of CCBlade per error limit, and its loads in climb."""
     peer = CCBladePropeller(rotor)
     names, points = sample()
     found: dict[str, Any] = {"reynolds": peer.reynolds}
@@ -183,14 +187,14 @@ def ccblade(rotor: Rotor, static: Floats, bounds: dict[str, float]) -> dict[str,
         found[bound]["gradient_us"] = 1e6 * evaluate_seconds(model, CASES["60 deg"])
     hover, _ = thrust_torque(peer.model(AXIAL_GRIDS[-1], 0.0), CASES["hover"])
     found["hover_thrust"] = None if np.isnan(hover) else hover
-    found["hover_note"] = "CCBlade leaves the load at zero where no air comes along the axis"
+    found["hover_note"] = "CCBlade returns zero loads if no air flows along the axis"
     climb = {speed: over_package(peer, AXIAL_GRIDS[-1], (OMEGA, speed, 0.0)) for speed in CLIMB}
     found["over_package_in_climb"] = climb
     return found
 
 
 def ratios(mine: dict[str, Any], peer: dict[str, Any]) -> dict[str, float]:
-    """CCBlade's time over the package's; a batch costs CCBlade as many calls."""
+    """Return CCBlade's time over propmap's.  A batch requires one call of CCBlade per point."""
     theirs = peer["single_us"]
     found = {}
     for way in ("model", "table"):
@@ -203,7 +207,7 @@ def ratios(mine: dict[str, Any], peer: dict[str, Any]) -> dict[str, float]:
 
 
 def measure() -> dict[str, Any]:
-    """All figures."""
+    """Return all results."""
     place = machine()
     rotor = Rotor(Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")))
     table = build_table(rotor, **ENVELOPE, tolerance=TOLERANCE)
@@ -225,7 +229,7 @@ def measure() -> dict[str, Any]:
 
 
 def show(found: dict[str, Any]) -> None:
-    """Print the figures."""
+    """Print the results."""
     mine, peer = found["package"], found["ccblade"]
     columns = [*CASES, MIXED]
     table = Table(caption=f"mixed: {BATCH} oblique points; CCBlade: {SAMPLE} of them, one by one")
@@ -251,7 +255,7 @@ def show(found: dict[str, Any]) -> None:
     console.print(table)
     for bound, flow in itertools.product(BOUNDS, ("axial", "tilted")):
         chosen, allowed = peer[bound][flow], peer[bound]["allowed_error"]
-        word = "within" if chosen["reached"] else "the best, not within"
+        word = "within" if chosen["reached"] else "the most accurate grid, not within"
         print(f"CCBlade, {flow}: {chosen['grid']}, {word} an error of {allowed:.1e}")
     print(f"hover: {peer['hover_note']}")
     for speed, told in peer["over_package_in_climb"].items():

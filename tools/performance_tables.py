@@ -43,7 +43,8 @@ def peers(found: dict[str, Any]) -> str:
                 cells.append("not solved")
                 continue
             ratio = found["ccblade_over_package"][bound][f"model_batch, {case}"]
-            cells.append(f"{seconds[case] / 1e3:.3g} ms, {ratio:.0f} times propmap in a batch")
+            time, ratio = (float(f"{x:.2g}") for x in (seconds[case] / 1e3, ratio))
+            cells.append(f"{time:,g} ms, {ratio:,g} times propmap")
         rows.append(f"| {case} | {' | '.join(cells)} |")
     return "\n".join(rows)
 
