@@ -1,4 +1,4 @@
-"""Compare the final loads of a disturbed dynamic inflow with the static loads.
+"""Compare the final thrust of a disturbed dynamic inflow with the thrust of the steady state.
 
 Usage: python -m tools.disturbed_inflow [NAME...]
 

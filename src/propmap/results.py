@@ -89,8 +89,8 @@ class Loads(LoadValues):
     vortex_ring : ndarray
         Share of the measured vortex-ring inflow in the inflow used [-].
     mean_inflow : ndarray
-        v_i of eq. (11), averaged over the disk [m/s].  The mean of the inflow harmonics, less
-        than 1 % of v_i, is excluded.
+        Inflow averaged over the disk [m/s]: v_i of eq. (11), blended with the measured inflow in
+        the vortex ring state.  The harmonic v_0, less than 1 % of v_i, is excluded.
     deviations : callable, optional
         Function that computes ``std_by_source``.
     """

@@ -1,9 +1,9 @@
 // Dynamic inflow: the inflow lags behind the loads, because the air has mass.
 //
-// The state contains the inflow v_j of eq. (11) at the nodes (fixed radii y_j) and the harmonics v_0, v_s and v_c
-// around the disk.  T is the thrust, L the moment that lifts the advancing side, and M the moment that lifts the rear,
-// all divided by the density.  h_0, h_s and h_c are the steady harmonics for these loads (`HarmonicResponse`).  The
-// equations are
+// The state contains the harmonics around the disk and the inflow v_j of eq. (11) at the nodes (fixed radii y_j).  It
+// stores the harmonics in the rotor frame; `Heading` converts them to v_0, v_s and v_c.  T is the thrust, L the moment that
+// lifts the advancing side, and M the moment that lifts the rear, all divided by the density.  h_0, h_s and h_c are the
+// steady harmonics for these loads (`HarmonicResponse`).  The equations are
 //
 //     16/3 R y_j  dv_j/dt = residual of eq. (11) at y_j
 //     8/3 R^3 k_0    dv_0/dt = h_0(T) - v_0
@@ -26,7 +26,7 @@ namespace propmap {
 struct Heading {
     double x, y, spin;
 
-    // Convert v_0 and the gradients along x and y of the rotor frame to v_0, v_s and v_c; `in_rotor_frame` inverts this.
+    // Convert the harmonics in the rotor frame (see `harmonics_first`) to v_0, v_s and v_c; `in_rotor_frame` inverts this.
     void along_flight(const double* s, double* to) const {
         to[0] = s[0], to[1] = spin * (s[1] * y - s[2] * x), to[2] = -(s[1] * x + s[2] * y);
     }
@@ -35,12 +35,13 @@ struct Heading {
     }
 };
 
-inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gradients along x and y of the rotor frame
+// A state begins with v_0 and the increases of inflow from hub to tip along x and y of the rotor frame.
+inline constexpr int harmonics_first = 3;
 inline constexpr double negligible = 1e-13;  // smaller harmonics, relative to tip speed plus flow speed, are set to zero
 
-// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if, in climb, hover and slow descent,
-// the thrust differs by at most 0.2 % of the static thrust from the thrust with panels that follow stall.  Abrupt stall needs
-// many nodes, because a fold acts as if it were midway between two nodes.
+// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if the thrust differs by at most 0.2 %
+// of the static thrust from the thrust with panels that follow stall, in hover, climb, slow descent, edgewise and oblique
+// flight.  Abrupt stall needs many nodes, because fixed nodes cannot represent a beginning of stall between two nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
     const double radius = solver.rotor().tip();
@@ -99,9 +100,9 @@ template <template <class> class LawOf> class DynamicInflow {
         s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
 
-        // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow opposes
-        // the flow through the disk, dg/dv_i may have either sign.  The step therefore uses the larger of -dg/dv_i and
-        // 2 pi y W, half of (10) / v_i (W: Glauert's speed).
+        // The step integrates the linearized equation of each annulus and each harmonic exactly.  If blades stall, or if the
+        // inflow opposes the flow through the disk, the slope of the residual g may have either sign.  The step therefore
+        // uses the larger of -dg/dv_i and 2 pi y W.  (W is Glauert's speed, and the momentum thrust (10) is 4 pi y W v_i.)
         const auto of = solver_->annuli(s);
         const Azimuths for_friction = s.psi.count > 4 ? azimuths(std::max(8, 2 * of.few.count)) : s.psi;
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);

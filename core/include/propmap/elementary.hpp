@@ -1,8 +1,9 @@
 // Vectors of numbers, in lanes, and the elementary functions of a blade element in a form that vectorizes.
 //
 // A lane is one radius of a blade, or one trial inflow at one radius.  The compiler's vector extensions do the
-// arithmetic.  A mathematics library would compute one lane at a time, so the few functions needed are polynomials
-// here.  Each lane is computed by itself: no result depends on `width`, the number of lanes.
+// arithmetic.  A mathematics library would compute one lane at a time.  Except for the square root, an instruction of the
+// processor, the functions are therefore polynomials here.  Each lane is computed by itself: no result depends on `width`,
+// the number of lanes.
 #pragma once
 
 #include <bit>
