@@ -1,10 +1,8 @@
-"""What corrections and section tables cost: `make bench ONLY=options`.
+"""Measure the cost of corrections and section tables: `make bench ONLY=options`.
 
-Writes results/options.json.
-
-Processor time per point of the oblique batch for each model, by turns in one run, and its ratio to
-the paper's model.  The tables are samples of the paper's own law, so that the blade is loaded
-alike: what differs is the physics and the nodes that it takes.
+Writes results/options.json: the processor time per point of the oblique batch for each model, and
+its ratio to the time of the paper's model.  One run measures all models alternately.  The tables
+are sampled from the section law of the paper, so that all blades carry similar loads.
 """
 
 from __future__ import annotations
@@ -18,11 +16,11 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap.model.airfoil import SectionTable, parameter_set
 
-REPEATS = 5
+REPEATS = 15
 
 
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
-    """A parameter set as a table of one row per Reynolds number, at every half degree."""
+    """Return a parameter set as a section table, one row per Reynolds number, every half degree."""
     angle = np.linspace(-np.pi, np.pi, 721)
     rows = np.array(reynolds)
     lift, drag = parameter_set(name).coefficients(angle, rows[:, None])
@@ -31,7 +29,7 @@ def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
 
 
 def models() -> dict[str, propmap.Model]:
-    """What is compared, the paper's model first."""
+    """Return the models, the paper's model first."""
     blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
     losses = (propmap.correction("tip-loss"), propmap.correction("hub-loss"))
     recommended = propmap.model_corrections("recommended")
@@ -48,7 +46,7 @@ def models() -> dict[str, propmap.Model]:
 
 
 def main() -> None:
-    """Measure, print, and write the results."""
+    """Measure the times, print them and write the results."""
     points = oblique(BATCH)
     rotors = {name: propmap.Rotor(model) for name, model in models().items()}
     least = dict.fromkeys(rotors, np.inf)
@@ -56,7 +54,7 @@ def main() -> None:
         for name, rotor in rotors.items():
             start = time.process_time()
             rotor.loads(*points)
-            if turn:  # the first makes the rotor
+            if turn:  # the first turn builds the rotors
                 least[name] = min(least[name], time.process_time() - start)
     found = {name: 1e6 * seconds / BATCH for name, seconds in least.items()}
     for name, cost in found.items():
