@@ -1,4 +1,4 @@
-"""Compare the time of a load evaluation with other tools, at equal or smaller numerical error.
+"""Compare the time of a load evaluation with other tools, at given numerical errors.
 
 Usage: `make bench ONLY=peers`.  Writes results/peers.json.
 
@@ -11,10 +11,10 @@ and has no blades.
 
 Errors are numerical errors of the thrust, divided by the static thrust at the same rotational
 speed.  The reference of propmap is its accuracy ``fine``; the reference of CCBlade is CCBlade with
-a much finer grid.  CCBlade is timed with one grid in climb and one grid at all oblique points.
-Each is the cheapest grid whose largest error does not exceed propmap's largest error ("measured")
-or 0.1 %, the limit of accuracy ``standard`` ("promised").  If no grid is sufficient, the most
-accurate grid is used.  Times are medians of the wall time after a first call.  For the C header and
+a much finer grid.  CCBlade is timed with the cheapest grid for each of two limits of the error:
+propmap's largest error ("measured"), and 0.1 %, the limit of accuracy ``standard`` ("promised").
+All oblique points share one grid per limit.  If no grid is sufficient, the most accurate grid is
+used.  Times are medians of the wall time after a first call.  For the C header and
 RotorPy, they are the smallest processor times, as in `benchmarks.table`.
 """
 

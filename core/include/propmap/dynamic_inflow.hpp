@@ -1,9 +1,9 @@
 // Dynamic inflow: the inflow lags behind the loads, because the air has mass.
 //
 // The state contains the harmonics around the disk and the inflow v_j of eq. (11) at the nodes (fixed radii y_j).  It
-// stores the harmonics in the rotor frame; `Heading` converts them to v_0, v_s and v_c.  T is the thrust, L the moment that
-// lifts the advancing side, and M the moment that lifts the rear, all divided by the density.  h_0, h_s and h_c are the
-// steady harmonics for these loads (`HarmonicResponse`).  The equations are
+// stores the harmonics in the rotor frame; `Heading` converts them to v_0, v_s and v_c of `Harmonics`.  T is the thrust,
+// L the moment that lifts the advancing side, and M the moment that lifts the rear, all divided by the density.  h_0,
+// h_s and h_c are the steady harmonics for these loads (`HarmonicResponse`).  The equations are
 //
 //     16/3 R y_j  dv_j/dt = residual of eq. (11) at y_j
 //     8/3 R^3 k_0    dv_0/dt = h_0(T) - v_0
@@ -39,9 +39,10 @@ struct Heading {
 inline constexpr int harmonics_first = 3;
 inline constexpr double negligible = 1e-13;  // smaller harmonics, relative to tip speed plus flow speed, are set to zero
 
-// Return the smallest of 24, 48 and 96 nodes that suffices, or 192.  Nodes suffice if the thrust differs by at most 0.2 %
-// of the static thrust from the thrust with panels that follow stall, in hover, climb, slow descent, edgewise and oblique
-// flight.  Abrupt stall needs many nodes, because fixed nodes cannot represent a beginning of stall between two nodes.
+// Return the number of nodes: the smallest of 24, 48 and 96 that suffices, or 192 if none does.  A number suffices if
+// the thrust differs by at most 0.2 % of the static thrust from the thrust with panels that meet at the folds.  The test
+// points are in hover, climb, slow descent, edgewise and oblique flight.  Abrupt stall needs many nodes, because fixed
+// nodes cannot represent a beginning of stall between two nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     Solution exact, found;
     const double radius = solver.rotor().tip();
