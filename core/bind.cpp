@@ -121,8 +121,13 @@ class Argument {
         : name_(name), from_(from), each_(each) {
         if (!given()) return;
         static const nb::handle array_type = nb::object(nb::module_::import_("numpy").attr("ndarray")).release();
+        static const nb::handle as_array = nb::object(nb::module_::import_("numpy").attr("asarray")).release();
+        nb::object array = nb::borrow(from);
+        try {
+            if (nb::isinstance<nb::list>(from) || nb::isinstance<nb::tuple>(from)) array = as_array(from);
+        } catch (nb::python_error&) {}  // `numbers` below explains the fault
         if (PyFloat_Check(from.ptr())) number_ = PyFloat_AsDouble(from.ptr());
-        else if (!from.type().is(array_type) || !nb::try_cast(from, array_, false)) number_ = NAN;
+        else if (!array.type().is(array_type) || !nb::try_cast(array, array_, false)) number_ = NAN;
         const auto good = [&](double x) { return std::isfinite(x) && (negative || x >= 0.0); };
         const double* first = array_.is_valid() ? array_.data() : &number_;
         if (!std::all_of(first, first + (array_.is_valid() ? array_.size() : 1), good)) {
