@@ -301,9 +301,10 @@ def test_impossible_arguments_are_refused() -> None:
     with pytest.raises(pm.InputError, match="its last axis must have"):
         dynamic().rates([1.0, 2.0], OMEGA, STILL)
     inflow = dynamic()
-    for wrong in (np.full(inflow.size, 1.0j), np.ma.masked_less(np.zeros(inflow.size), 0.5)):
+    masked, ragged = np.ma.masked_less(np.zeros(inflow.size), 0.5), [[1.0, 2.0], [3.0]]
+    for wrong in (np.full(inflow.size, 1.0j), masked, ragged):
         with pytest.raises(pm.InputError, match=r"state (is .*: give a real|has masked points)"):
-            inflow.rates(wrong, OMEGA, STILL)
+            inflow.rates(wrong, OMEGA, STILL)  # type: ignore[arg-type]
     with pytest.raises(pm.InputError, match="dt is negative"):
         inflow.step(np.zeros(inflow.size), -1e-3, OMEGA, STILL)
     with pytest.raises(pm.InputError, match="a single operating point of a single rotor"):
