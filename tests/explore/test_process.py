@@ -32,15 +32,17 @@ def test_ctrl_c_ends_it_at_once_with_exit_code_0() -> None:
 def test_no_display_is_told_with_the_address() -> None:
     command = [sys.executable, "-m", "propmap", "explore", "--port", "0"]
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
-    assert process.stdout is not None
-    said = ""
-    while "no display" not in said and process.poll() is None:
-        said += process.stdout.readline()
-    assert "http://127.0.0.1:" in said
-    process.send_signal(signal.SIGINT)
-    assert process.wait(20.0) == 0
-    process.stdout.close()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        try:
+            assert process.stdout is not None
+            said = ""
+            while "no display" not in said and process.poll() is None:
+                said += process.stdout.readline()
+            assert "http://127.0.0.1:" in said
+            process.send_signal(signal.SIGINT)
+            assert process.wait(20.0) == 0
+        finally:
+            process.kill()
 
 
 def test_what_is_wrong_is_told_before_anything_listens() -> None:

@@ -8,6 +8,7 @@ import ipaddress
 import logging
 import os
 import secrets
+import signal
 import socket
 import sys
 import threading
@@ -384,16 +385,13 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"
-    with contextlib.suppress(KeyboardInterrupt):
-        say(f"propmap explore runs at {address}")
-        say("Press Ctrl-C to stop.")
-        if browser:
-            threading.Thread(target=_open_browser, args=(address, say), daemon=True).start()
-        server.serve_forever()
-    # Do not wait for a running fit.
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(0)
+    # Without a KeyboardInterrupt, which fails inside Thread.start, and without waiting for a fit.
+    signal.signal(signal.SIGINT, lambda *_: os._exit(0))
+    say(f"propmap explore runs at {address}")
+    say("Press Ctrl-C to stop.")
+    if browser:
+        threading.Thread(target=_open_browser, args=(address, say), daemon=True).start()
+    server.serve_forever()
 
 
 def _open_browser(address: str, say: Callable[[str], None]) -> None:
