@@ -1,8 +1,9 @@
 """Measure the cost of corrections and section tables: `make bench ONLY=options`.
 
-Writes results/options.json: the processor time per point of the oblique batch for each model, and
-its ratio to the time of the paper's model.  One run measures all models alternately.  The tables
-are sampled from the section law of the paper, so that all blades carry similar loads.
+Writes results/options.json: the processor time per point for each model, and its ratio to the time
+of the paper's model.  The points are those of `benchmarks.speed.oblique`.  One run measures all
+models alternately.  The tables are sampled from the section law of the paper, so that all blades
+carry similar loads.
 """
 
 from __future__ import annotations

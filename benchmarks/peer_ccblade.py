@@ -3,11 +3,11 @@
 CCBlade applies blade element momentum theory to wind turbines.  In yawed flow, it solves each
 azimuth sector independently.  The angle of attack of a turbine is the inflow angle minus the twist;
 that of a propeller is the twist minus the inflow angle.  The section law is therefore mirrored,
-C_l(a) -> -C_l(-a), C_d(a) -> C_d(-a).  Twist and direction of rotation are unchanged, climb is wind
-from ahead, and thrust and torque have the opposite sign.  Effects that the paper's theory does not
-contain are switched off: tip loss, hub loss, rotation of the wake, and CCBlade's default wind
-shear.  In axial flow, both tools then solve the same equations, except that CCBlade uses one
-Reynolds number for the skin friction of all sections.
+C_l(a) -> -C_l(-a), C_d(a) -> C_d(-a).  Twist and direction of rotation are unchanged.  A climb is a
+positive wind speed in CCBlade, and thrust and torque have the opposite sign.  Effects that the
+paper's theory does not contain are switched off: tip loss, hub loss, rotation of the wake, and
+CCBlade's default wind shear.  In axial flow, both tools then solve the same equations, except that
+CCBlade uses one Reynolds number for the skin friction of all sections.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class CCBladePropeller:
     def model(self, grid: Grid, beta: float, *, derivatives: bool = False) -> Any:
         """Return CCBlade's rotor at an angle beta [rad] between axis and flow.
 
-        Stations are dense at root and tip, because CCBlade integrates from and to zero load there.
+        Stations are dense at root and tip, because CCBlade sets the load to zero there.
         Equally spaced stations have errors that are several times as large.
         """
         blade, air = self.rotor.model.propeller, self.rotor.model.air

@@ -2,12 +2,13 @@
 
 Usage: `make bench ONLY=peers`.  Writes results/peers.json.
 
-The rotor is the APC 8x6E with ``paper-apc`` at 6000 rpm, in hover, in climb, at two oblique points
-at 10 m/s, and in the batch of oblique points of `benchmarks.speed`.  propmap's model, its table and
-the C header of the table are compared with WISDEM's CCBlade (`benchmarks.peer_ccblade`).  The time
-of RotorPy's rotor model is listed, too.  This model has no blade geometry; its constants are fitted
-to the table.  AeroSandbox is omitted: it computes the power of an actuator disk for a given thrust
-and has no blades.
+The rotor is the APC 8x6E with the section constants ``paper-apc``.  At 6000 rpm, it hovers, climbs,
+and flies at two oblique points at 10 m/s.  The points of the batch ``mixed`` are those of
+`benchmarks.speed.oblique`, at 3000 to 10000 rpm.  propmap's model, its table and the C header of
+the table are compared with WISDEM's CCBlade (`benchmarks.peer_ccblade`).  The time of RotorPy's
+rotor model is listed, too.  This model has no blade geometry; its constants are fitted to the
+table.  AeroSandbox is omitted: it computes the power of an actuator disk for a given thrust and has
+no blades.
 
 Errors are numerical errors of the thrust, divided by the static thrust at the same rotational
 speed.  The reference of propmap is its accuracy ``fine``; the reference of CCBlade is CCBlade with
@@ -87,7 +88,7 @@ SINGLE = 200
 
 
 def sample() -> tuple[list[str], list[Point]]:
-    """Return names and points of all cases, followed by the first points of the mixed batch."""
+    """Return names and points of all cases, followed by the first points of ``mixed``."""
     mixed = [tuple(map(float, p)) for p in np.stack(oblique(BATCH), axis=-1)[:SAMPLE]]
     return [*CASES, *[MIXED] * SAMPLE], [*CASES.values(), *mixed]  # type: ignore[list-item]
 
