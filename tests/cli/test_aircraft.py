@@ -13,9 +13,11 @@ import pytest
 import xarray
 
 from propmap.aircraft.assumptions import assumption_lines, assumptions
+from propmap.catalogue.lookup import catalogue_model
 from propmap.loads import LOADS
+from propmap.rotor import Rotor
 from propmap.table import LoadTable
-from propmap.units import GRAVITY
+from propmap.units import GRAVITY, RPM
 from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run, refused
@@ -63,6 +65,32 @@ def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
     asked = ["export", "wakes.toml", "--airfoil", "apc-8x6e-2019", "--to", "px4", "-o", "out"]
     refused(run(*asked), "[wakes] is given", "--no-wakes")
     assert run(*asked, "--no-wakes").code == 0
+
+
+@pytest.mark.parametrize(
+    ("propeller", "blades", "told"),
+    [
+        ("HQ 5x4.3x3", None, "read as 5 x 4.3 in, 3 blades"),
+        ("5x4.3", 3, "3 blades as requested"),
+        ("ancf 12.5x7.5", None, "constants identified from"),
+        ("apc-8x6e", 3, "constants predicted"),
+    ],
+)
+def test_a_vehicle_has_the_loads_that_its_propeller_has_by_name(
+    run: Run, propeller: str, blades: int | None, told: str
+) -> None:
+    count = "" if blades is None else f", blades = {blades}"
+    given = f'propeller = {{ geometry = "{propeller}"{count} }}'
+    Path("x.toml").write_text(VEHICLE.replace('propeller = "apc-8x6e"', given))
+    done = run("trim", "x.toml", "--speed", "0", "--no-bands", "--format", "json")
+    assert done.code == 0 and told in done.err
+    (state,) = json.loads(done.out)["states"]
+    vehicle = read_vehicle("x.toml").vehicle
+    rotor = Rotor(catalogue_model(propeller, blades, air=vehicle.air))
+    omega = state["rpm_1"] * RPM
+    loads = rotor.loads(omega, 0.0, 0.0)
+    assert 4.0 * loads.thrust.item() == pytest.approx(vehicle.mass * GRAVITY, rel=1e-6)
+    assert 4.0 * loads.torque.item() * omega == pytest.approx(state["shaft_power_W"], rel=1e-6)
 
 
 @pytest.mark.slow

@@ -22,6 +22,8 @@ LIFT_LAW = "plate"
 law of the paper with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the
 lift of a plate at 45 degrees."""
 
+NAME_END = " identified"  # end of the names of identified section laws
+
 MEAN_BLADES = ("family", "population")  # geometries of propellers without a known blade
 
 POOR = (0.0048, 0.0036)  # 90th percentiles of the errors of C_T and C_P over propellers [-]
@@ -91,6 +93,12 @@ def identified(propeller: str, blades: int) -> Identified | None:
     return _bundled(key) if key in _rows() else None
 
 
+def identified_with_name(name: str, blades: int) -> Identified | None:
+    """Return the bundled constants whose ``airfoil`` has this ``name``, or None."""
+    propeller = name.removesuffix(NAME_END)
+    return identified(propeller, blades) if propeller != name else None
+
+
 def all_identified(family: str | None = None) -> list[Identified]:
     """Return the bundled constants of one ``family``, or all, in the order of the file.
 
@@ -145,7 +153,7 @@ def entry_of(row: dict[str, str]) -> Identified:
     known = SectionUncertainty(
         SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
     )
-    name = f"{row['propeller']} identified"
+    name = f"{row['propeller']}{NAME_END}"
     airfoil = Airfoil(**values, lift_law=LIFT_LAW, name=name, source=source, uncertainty=known)
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 

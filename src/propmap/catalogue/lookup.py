@@ -239,12 +239,18 @@ def catalogue_model(
         As in ``propmap.propeller``.
     """
     blade = propeller(name_or_path, blades)
-    meant = meant_by(name_or_path, blades)
-    known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
+    known = best_constants(meant_by(name_or_path, blades), blade)
     added = corrections
     if added is None:
         added = model_corrections("recommended", installed=True)
     return Model(blade, known.airfoil, air or Air(), added)
+
+
+def best_constants(
+    meant: expected.Meant, blade: Propeller
+) -> identified.Identified | expected.ExpectedConstants:
+    """Return the identified constants of this propeller, or else predicted constants."""
+    return own_constants(meant, blade.blades) or predicted_constants(meant, blade)
 
 
 def own_constants(meant: expected.Meant, blades: int) -> identified.Identified | None:

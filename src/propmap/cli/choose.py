@@ -81,7 +81,7 @@ def choose(
         remedy = "leave it out: the catalogue has section constants for its propellers"
         raise InputError(found, remedy)
 
-    read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
+    read = opt.vehicle_of(vehicle, no_wakes=no_wakes).vehicle
 
     legs = _legs(task)
     name = "mission" if legs else task

@@ -147,8 +147,8 @@ def export(
     if _is_vehicle(path, to, table):
         refuse(prop=prop, table=table if to in ROTOR_TARGETS else None)
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
-        vehicle, full = opt.vehicle_of(path, no_wakes=no_wakes), 1.0 if charge is None else charge
-        craft = opt.aircraft_of(vehicle, airfoil, table, model, correction, charge=full)
+        read, full = opt.vehicle_of(path, no_wakes=no_wakes), 1.0 if charge is None else charge
+        craft = opt.aircraft_of(read, airfoil, table, model, correction, charge=full)
         with out.blamed_on(path):
             loads = craft.loads
             if isinstance(loads, Rotor) and to not in AUTOPILOTS:

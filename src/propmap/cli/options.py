@@ -17,7 +17,6 @@ import numpy as np
 import typer
 from typer import Argument, Option, echo
 
-from propmap import catalogue
 from propmap.bands import MEASURED_TO
 from propmap.catalogue import lookup
 from propmap.catalogue.expected import ExpectedBlade
@@ -44,7 +43,7 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
-    from propmap.vehicle.vehicle import Vehicle
+    from propmap.vehicle.files import VehicleFile
 
 
 # --- PROP and the options that define the rotor --------------------------------------------------
@@ -219,7 +218,7 @@ def section_law(
         note(*_of_another_propeller(asked, blade))
         return lookup.airfoil(asked)
     meant = lookup.meant_by(prop, blades)
-    found = lookup.own_constants(meant, blade.blades) or lookup.predicted_constants(meant, blade)
+    found = lookup.best_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Otherwise the note on the blade already states the source of the constants.
         note(f"{found.summary}. --airfoil selects another law")
@@ -321,16 +320,18 @@ NoWakes = Annotated[
 ]
 
 
-def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
-    """Read a vehicle; ``no_wakes`` removes the effect of its rotors on each other."""
+def vehicle_of(path: Path, *, no_wakes: bool) -> VehicleFile:
+    """Read a vehicle file, and print notes on implausible air; ``no_wakes`` removes the effect of
+    the rotors on each other."""
     from propmap.vehicle.files import read_vehicle
 
-    found = read_vehicle(path).vehicle
-    return replace(found, wakes=None) if no_wakes else found
+    found = read_vehicle(path)
+    note(*air_warnings(found.vehicle.air))
+    return replace(found, vehicle=replace(found.vehicle, wakes=None)) if no_wakes else found
 
 
 def aircraft_of(
-    vehicle: Vehicle,
+    file: VehicleFile,
     airfoil: str | None,
     table: Path | None,
     model: ModelName | None,
@@ -341,6 +342,7 @@ def aircraft_of(
 ) -> Aircraft:
     """Return the aircraft, with loads from a table or from a rotor in the vehicle's air."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
+    vehicle = file.vehicle
     from propmap.aircraft.trim import Aircraft
 
     if table is not None:
@@ -351,9 +353,9 @@ def aircraft_of(
 
         return Aircraft(vehicle, LoadTable.load(table), **limits)
     blade = vehicle.propeller
-    # A name outside the catalogue is a file name; "./" prevents the lookup of a designation.
-    name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
-    law = section_law(airfoil, name, blade)
+    note_reading(file.propeller, blade, file.blades)
+    note(*blade_warnings(blade))
+    law = section_law(airfoil, file.propeller, blade, file.blades)
     law = with_physics(law, model, correction, installed=airfoil is None)
 
     from propmap.rotor import Rotor

@@ -17,7 +17,7 @@ from propmap.aircraft.assumptions import assumption_lines, assumptions, without_
 from propmap.aircraft.mission import Mission, fly, read_mission
 from propmap.aircraft.sensitivity import StateChange, spread
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
-from propmap.catalogue.identified import identified
+from propmap.catalogue.identified import identified_with_name
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
@@ -94,7 +94,7 @@ def trim(
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
     legs = read_mission(mission) if mission is not None else None
     craft = opt.aircraft_of(read, airfoil, table, model, correction, accuracy, max_rpm, charge)
-    rests_on, allocation = assumptions(read, craft.loads), craft.balance.allocation
+    rests_on, allocation = assumptions(craft.vehicle, craft.loads), craft.balance.allocation
     out.note(*craft.notes)
     if form == "csv":
         out.note(*assumption_lines(rests_on))
@@ -193,8 +193,8 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
     along = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     beta = np.arccos(np.clip(np.divide(along, speed, out=along * 0.0, where=speed > 0.0), -1, 1))
     warnings = point_warnings(blade, omega, speed, beta)
-    own = identified(blade.name, blade.blades)
-    if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
+    own = identified_with_name(craft.loads.model.airfoil.name, blade.blades)
+    if own is not None:
         rpm = float(omega.max()) / RPM
         advance = float((2.0 * np.pi * speed / (omega * blade.diameter)).max())
         parts = []

@@ -20,12 +20,11 @@ import numpy as np
 from propmap.catalogue import load
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import (
+    best_constants,
     looks_like_path,
     meant_by,
     measurement,
     measurement_names,
-    own_constants,
-    predicted_constants,
     propeller,
 )
 from propmap.errors import InputError, quoted
@@ -172,7 +171,8 @@ def check_law(law: str) -> None:
 def _model(session: Session) -> Model:
     """Return the model with the same constants and corrections as `propmap predict`."""
     blade, files = _blade(session), session.files
-    air = session.given("vehicle").air if session.given("vehicle") is not None else Air()
+    described = session.given("vehicle")
+    air = Air() if described is None else described.vehicle.air
     if "fit" in files:
         air, law = session.given("fit").model.air, session.given("fit").airfoil
     elif "constants" in files:
@@ -180,8 +180,11 @@ def _model(session: Session) -> Model:
     elif session.law != KNOWN:
         law = parameter_set(session.law)
     else:
-        meant = meant_by(session.name) if session.name else None
-        law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
+        if described is not None:
+            meant = meant_by(described.propeller, described.blades)
+        else:
+            meant = meant_by(session.name) if session.name else None
+        law = best_constants(meant, blade).airfoil
     if session.physics or law.corrections is None:
         by_name = law.uncertainty is not None
         chosen = model_corrections(session.physics or "recommended", installed=by_name)
@@ -195,7 +198,7 @@ def _blade(session: Session) -> Propeller:
     if "geometry" in session.files:
         return session.given("geometry")
     vehicle = session.given("vehicle")
-    return propeller(session.prop) if vehicle is None else vehicle.propeller
+    return propeller(session.prop) if vehicle is None else vehicle.vehicle.propeller
 
 
 # --- Files of the sessions: their kinds, reading and storage -------------------------------------
@@ -284,7 +287,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
             found = f"the key 'propeller' refers to another file, {quoted(named)}"
             remedy = "give a catalogue name, or open the vehicle with `propmap explore FILE`"
             raise InputError(found, remedy, str(path))
-        return "vehicle", read_vehicle(path).vehicle
+        return "vehicle", read_vehicle(path)
     if "station_m" in fields:
         return "geometry", read_geometry_file(str(path))
     if is_fit(path):

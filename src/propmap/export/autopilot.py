@@ -13,7 +13,7 @@ import numpy as np
 import propmap
 from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.aircraft.trim import STATUSES, Aircraft
-from propmap.catalogue.identified import identified
+from propmap.catalogue.identified import identified_with_name
 from propmap.errors import InputError
 from propmap.export import check_direction, find_export
 from propmap.export.files import check_folder, filled, vehicle_identifier, write_files
@@ -219,8 +219,8 @@ def common_remarks(aircraft: Aircraft, omega: float) -> list[str]:
         )
     loads, blade, rpm = aircraft.loads, aircraft.vehicle.propeller, omega / RPM
     if isinstance(loads, Rotor):
-        own, name = identified(blade.name, blade.blades), loads.model.airfoil.name
-        if own is not None and own.airfoil.name == name and rpm > own.rpm_high:
+        own = identified_with_name(loads.model.airfoil.name, blade.blades)
+        if own is not None and rpm > own.rpm_high:
             remarks.append(
                 f"The section constants are extrapolated: for these parameters rotors turn at up "
                 f"to {rpm:.0f} rpm, and the data of the constants end at {own.rpm_high:.0f} rpm."

@@ -212,10 +212,24 @@ class _VehicleFile(TomlTable):
 
 @dataclass(frozen=True)
 class VehicleFile:
-    """A vehicle, converted to FLU, and the conventions of its logs."""
+    """A vehicle, converted to FLU, and the conventions of its logs.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        Vehicle with the geometry of its propellers.
+    log : LogMap
+        Conventions of the logs.
+    propeller : str
+        Name, designation or file of the propeller, for ``propmap.catalogue_model``.
+    blades : int or None
+        Number of blades in the file, if it contains one.
+    """
 
     vehicle: Vehicle
     log: LogMap
+    propeller: str
+    blades: int | None
 
 
 def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
@@ -234,7 +248,9 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     where = os.fspath(path)
     file = read_toml(path, _VehicleFile, VEHICLE_SCHEMA, "vehicle")
     flip = file.frame == "frd"
-    blade = _propeller(file.propeller, where)
+    stated = file.propeller
+    stated = _VehiclePropeller(stated) if isinstance(stated, str) else stated
+    source, blade = _propeller(stated, where)
     with located(f"{where}: [air]"):
         air = Air(file.air.density, file.air.viscosity)
     powertrain = _powertrain(file, where)
@@ -265,7 +281,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
         )
         if file.wakes is None and not above_each_other(vehicle).any():
             vehicle = replace(vehicle, wakes=None)
-    return VehicleFile(vehicle, _log_map(file.log, len(file.rotors), where))
+    return VehicleFile(vehicle, _log_map(file.log, len(file.rotors), where), source, stated.blades)
 
 
 def _flu(vector: Vector, flip: bool) -> Vector:
@@ -278,15 +294,14 @@ def _several(given: float | tuple[float, ...]) -> tuple[float, ...]:
     return given if isinstance(given, tuple) else (given,)
 
 
-def _propeller(given: str | _VehiclePropeller, where: str) -> Propeller:
-    given = _VehiclePropeller(given) if isinstance(given, str) else given
+def _propeller(given: _VehiclePropeller, where: str) -> tuple[str, Propeller]:
     known = given.geometry.strip().lower() in catalogue.names()
     # Paths are relative to the vehicle file, not to the current folder.
     beside = Path(where).parent / given.geometry
     file = not known and (beside.exists() or looks_like_path(given.geometry))
     with located(f"{where}: propeller"):
-        source = beside if file else given.geometry
-        return propeller(source, given.blades, given.radius, given.root_cutout)
+        source = str(beside) if file else given.geometry
+        return source, propeller(source, given.blades, given.radius, given.root_cutout)
 
 
 def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Installed | None]:

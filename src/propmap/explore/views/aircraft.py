@@ -104,8 +104,9 @@ class AircraftView(view.View):
             "from propmap.aircraft.performance import performance\n"
             "from propmap.aircraft.trim import Aircraft\n"
             "from propmap.vehicle.files import read_vehicle\n\n"
-            f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
-            "model = propmap.catalogue_model(vehicle.propeller.name, air=vehicle.air)\n"
+            f"file = read_vehicle({given.path or given.name!r})\n"
+            "vehicle = file.vehicle\n"
+            "model = propmap.catalogue_model(file.propeller, file.blades, air=vehicle.air)\n"
             "rotor = propmap.Rotor(model)\n"
             f"craft = Aircraft(vehicle, rotor, charge={number(values['charge'])})\n"
             f"states = craft.steady(np.linspace(0.0, {number(values['top'])}, {ALONG}), "
@@ -125,7 +126,9 @@ class AircraftView(view.View):
 
 
 def _states(session: Session, values: Values) -> tuple[Aircraft, SteadyStates]:
-    craft = Aircraft(session.given("vehicle"), rotor_of(session.model), charge=values["charge"])
+    craft = Aircraft(
+        session.given("vehicle").vehicle, rotor_of(session.model), charge=values["charge"]
+    )
     return craft, craft.steady(np.linspace(0.0, values["top"], ALONG), values["climb"])
 
 
