@@ -616,7 +616,7 @@ class FreeBody {
     std::size_t inflow_size() const { return inflow_size_; }  // number of values in the inflow states of all rotors
 
     // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite loads
-    // or speed, add nothing and return the first such rotor.  `pose`: position and quaternion.  `motion`: velocity of the
+    // or speed, or turns backward, add nothing and return the first such rotor.  `pose`: position and quaternion.  `motion`: velocity of the
     // origin (world frame) and angular velocity (body frame).  `omega` and `change` have one number per rotor.  `codes`
     // receives the status of each rotor, and its worst status so far.  `inflow` contains the inflow states of the rotors;
     // `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to steady solutions.
@@ -668,7 +668,8 @@ class FreeBody {
                 state += values, next += values;
             }
             worst[k] = std::max(worst[k], now[k]);
-            if (!lost && (!std::isfinite(loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k]))) lost = k;
+            const bool backward = omega.data()[k] < -1e-9;  // not by rounding
+            if (!lost && (backward || !std::isfinite(loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k]))) lost = k;
             add_rotor(all, mounts_[k], ahead, loads);
         }
         if (lost) return lost;

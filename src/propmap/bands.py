@@ -122,8 +122,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
     }
     for name, own in axial.items():
-        # Constants fitted to the tunnel or flight of interest already include this error.
-        share = OBLIQUE[name] * float(known.another_tunnel) * advance
+        share = OBLIQUE[name] * np.maximum(advance - _fitted_to(known), 0.0)
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
     # The decay lengths of both effects are those in ground_effect.hpp.
     ground = NEAR_GROUND * np.exp(-at.height / (0.686 * blade.radius))
@@ -131,6 +130,19 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
     share = np.hypot(ground, RING * _ring(model, at, by_name["thrust"]))
     found["thrust"] = np.hypot(found["thrust"], share * np.abs(by_name["thrust"]))
     return np.stack([found[name] for name in LOADS])
+
+
+def _fitted_to(known: SectionUncertainty) -> float:
+    """Return the ``_advance`` up to which the residuals of a fit contain the error of the theory.
+
+    It is 0 for constants from another tunnel, and infinite for a fit without a known envelope.
+    """
+    if known.another_tunnel:
+        return 0.0
+    if known.envelope is None:
+        return np.inf
+    fitted = known.envelope.edgewise_ratio[1]
+    return float(fitted / np.hypot(1.0, fitted))
 
 
 def _ring(model: Model, at: FlowPoints, thrust: Floats) -> Floats:

@@ -37,9 +37,6 @@ def test_named_states(weak: Aircraft, found: Performance) -> None:
     assert 0.0 < found.least_power.speed < found.best_range.speed <= found.fastest.speed
     beside = weak.steady(found.least_power.speed + np.array([-1.5, 0.0, 1.5]), margin=False).power
     assert beside[1] < beside[0] and beside[1] < beside[2]
-    around = found.best_range.speed + np.array([-1.5, 0.0, 1.5])
-    cost = weak.steady(around, margin=False).power / around
-    assert cost[1] < cost[0] and cost[1] < cost[2]
     assert found.least_power.endurance > found.hover.endurance
     assert found.best_range.distance == pytest.approx(
         found.best_range.endurance * found.best_range.speed
@@ -48,6 +45,37 @@ def test_named_states(weak: Aircraft, found: Performance) -> None:
     assert ahead.endurance == pytest.approx(found.endurance)
     assert ahead.distance == pytest.approx(found.endurance * (found.states.speed - 4.0))
     assert ahead.best_range is not None and ahead.best_range.speed > found.best_range.speed
+
+
+def test_the_best_range_is_the_largest_distance_or_the_least_energy(vehicle: Vehicle) -> None:
+    """In a headwind near the top speed, the battery voltage ends the fastest flights at once."""
+    craft = aircraft_of(vehicle)
+    without = replace(vehicle.powertrain, battery=None)
+    electrical = aircraft_of(replace(vehicle, powertrain=without), maximum_rotor_speed=720.0)
+    end = performance(craft, craft.steady([0.0, 12.0], margin=False)).fastest
+    assert end is not None
+    for one, wind in ((craft, 0.75 * end.speed), (electrical, 0.0)):
+        states = one.steady([0.0, 12.0], margin=False)
+        best = performance(one, states, wind=wind).best_range
+        assert best is not None
+        speed = best.speed + np.array([-0.4, 0.0, 0.4])
+        beside = one.steady(speed, margin=False)
+        if one is craft:
+            merit = endurance(one, beside) * (speed - wind)
+            assert best.distance == pytest.approx(merit[1]) and best.speed < 0.99 * end.speed
+        else:
+            merit = speed / beside.power
+        assert merit[1] > merit[0] and merit[1] > merit[2]
+
+
+def test_the_top_speed_is_the_same_for_requested_speeds_above_it(
+    weak: Aircraft, found: Performance
+) -> None:
+    above = performance(weak, weak.steady([60.0, 70.0], margin=False))
+    assert above.fastest is not None and found.fastest is not None
+    assert above.fastest.speed == pytest.approx(found.fastest.speed, rel=2e-3)
+    assert above.hover is not None and found.hover is not None
+    assert above.hover.power == pytest.approx(found.hover.power) and above.limit == found.limit
 
 
 def test_top_speed_is_at_its_limit(weak: Aircraft, found: Performance) -> None:

@@ -29,6 +29,10 @@ FILES: dict[str, bytes] = {
     "other_rpm.csv": b"rpm,speed_mps,beta_deg,thrust_N\n9000,5,90,1\n",
     "taken.nc": b"precious",
     "good.csv": tunnel_table().encode(),
+    "outlier.csv": tunnel_table().replace("\n", "\n4500,5,0,500,.1\n", 1).encode(),
+    "huge.csv": tunnel_table().replace("\n", "\n4500,5,0,1e300,.1\n", 1).encode(),
+    "unnamed.csv": b"rpm,U (m/s),thrust_N\n4000,0,3\n4000,3,2\n",
+    "advance.csv": b"rpm,J,thrust_N\n4000,0,3\n4000,.3,2\n",
     "sample.txt": b"J CT CP eta\n0.2 0.1 0.04 0.5\n",
     "set.toml": LAW.encode(),
     "damaged.toml": (LAW + '[fit]\nkind = "tunnel"\n').encode(),
@@ -72,6 +76,9 @@ SIMULATE += ["--speeds", "9,11,13", "-o", "flight.csv"]
 
 CASES: list[tuple[list[str], str]] = [
     (["predict", "apc-8x6f", "--airfoil", "paper-apc", *POINT], "apc-8x6e"),
+    (["predict", "", *POINT], "the name of the propeller is empty"),
+    (["predict", "HQ 5x4.3x3", *POINT, "--blades", "0"], "the number of blades is '0'"),
+    ([*TRIM, "--bank", "30", "--speed", "0"], "give speeds above 0 for a turn"),
     (["predict", "nowhere.txt", "--airfoil", "paper-apc", *POINT], "no such file"),
     (["predict", "apc-8x6e", "--airfoil", "deep.toml", *POINT], "recursion"),
     (
@@ -95,6 +102,11 @@ CASES: list[tuple[list[str], str]] = [
         [*PREDICT, *POINT, "--airfoil", "vehicle.toml"],
         "this is a vehicle file, not a parameter set",
     ),
+    ([*TUNNEL, "outlier.csv", *TO], "at 4500 rpm and 5 m/s, C_T is "),
+    ([*TUNNEL, "huge.csv", *TO], "at 4500 rpm and 5 m/s, C_T is "),
+    ([*TUNNEL, "unnamed.csv", *TO], "'U (m/s)' may be the airspeed"),
+    (["fit", "static", "--prop", "apc-8x6e", *TO, "unnamed.csv"], "may be the airspeed"),
+    (["predict", "apc-8x6e", "--points", "advance.csv"], "'J' may be the airspeed"),
     (["trim", "set.toml"], "this is a parameter set, not a vehicle file; use it with --airfoil"),
     ([*GOOD, "--bare"], "No such option: --bare"),
     ([*PREDICT, *POINT, "-o", "nowhere/out.json"], "nowhere"),

@@ -16,6 +16,7 @@ from propmap.catalogue.lookup import meant_by
 from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR, Installed
+from propmap.model.envelope import Envelope
 from propmap.results import LoadValues
 from tools.descent import descents
 
@@ -125,6 +126,23 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
     np.testing.assert_allclose(edgewise.std_by_source["discrepancy"].side_force, want, rtol=1e-9)
     own = _with(model, replace(known, another_tunnel=False))
     assert "tunnel" not in pm.Rotor(own).loads(omega, 1.0, 0.0).std_by_source
+
+
+def test_a_fit_has_the_error_of_the_theory_beyond_its_own_oblique_flow(model: pm.Model) -> None:
+    """The residuals of a fit contain this error up to the largest advance ratio of its data."""
+    _, known = known_law(model)
+    omega, ratios = 600.0, np.array([0.05, 0.1, 0.2])
+    speed = ratios * omega * model.propeller.radius
+
+    exact = replace(known, thrust_coefficient=0.0)
+    axial = Envelope((0.0, 100.0), (0.0, 0.0), (0.0, 0.5), (0.0, 0.5), (3000.0, 6000.0))
+    flown = replace(axial, edgewise_ratio=(0.0, 0.1))
+    advance = ratios / np.hypot(1.0, ratios)
+    for covered, most in ((axial, 0.0), (flown, advance[1])):
+        own = replace(exact, another_tunnel=False, envelope=covered)
+        loads = pm.Rotor(_with(model, own)).loads(omega, speed, 0.5 * np.pi)
+        want = OBLIQUE["thrust"] * np.maximum(advance - most, 0.0) * loads.thrust
+        np.testing.assert_allclose(loads.std_by_source["discrepancy"].thrust, want, rtol=1e-9)
 
 
 def test_what_is_not_stated_of_the_mount_is_uncertain() -> None:

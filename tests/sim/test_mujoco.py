@@ -371,6 +371,10 @@ def test_a_command_that_is_no_number_is_told(
     data.act[:], data.ctrl[:] = 600.0, [600.0, np.nan, 600.0, 600.0]
     with pytest.raises(InputError, match="the command or the speed of rotor_2 is not finite"):
         mujoco.mj_step(model, data)
+    data.ctrl[:] = 600.0
+    data.act[:] = [600.0, -600.0, 600.0, 600.0]
+    with pytest.raises(InputError, match="the speed of rotor_2 is -600 rad/s"):
+        mujoco.mj_step(model, data)
 
 
 @pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from propmap.aircraft.sensitivity import Responses, StateChange, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
@@ -63,8 +62,9 @@ class Performance:
     endurance, distance : ndarray, shape (n,)
         Time [s] and distance over ground [m] on one battery; NaN without a battery.
     hover, least_power, best_range, fastest : NamedState or None
-        State at rest, at the speed of least power, at the speed of least energy per distance over
-        ground, and at the top speed; None for a state that does not exist.
+        State at rest, at the speed of least power, at the speed of the largest distance on one
+        battery (without a battery: of least energy per distance over ground), and at the top speed;
+        None for a state that does not exist.
     limit : str
         Status of states just above the top speed.  Empty if the search reaches no limit up to
         150 m/s; "unknown" without a known limit of the motors.
@@ -159,24 +159,15 @@ def performance(
     last = speed[-1] if math.isnan(end) else end
     grid = np.linspace(0.0, last, SPEEDS)
     curve = aircraft.steady(grid, climb, margin=False, near=known)
-    power, at_rest = curve.power, str(curve.status[0])
-    ok = np.isfinite(power)
-    # Only speeds above the wind speed cover distance.
-    ahead = ok & (grid > wind)
-    if ahead.any():
+    at_rest = str(curve.status[0])
+    curves = curve.power, _costs_of_distance(aircraft, curve, wind)
+    places = [_around(grid, y) for y in curves if np.isfinite(y).any()]
+    if places:
         # More speeds around both minima are needed, because power jumps where a wing stalls.
-        places = (
-            _around(grid, np.flatnonzero(ok), power),
-            _around(grid, np.flatnonzero(ahead), power / np.where(ahead, grid - wind, 1.0)),
-        )
         finer = np.setdiff1d(np.concatenate(places), grid)
-        between = aircraft.steady(finer, climb, margin=False, near=curve).power
-        order = np.argsort(np.concatenate([grid, finer]))
-        grid, power = (np.concatenate(each)[order] for each in ((grid, finer), (power, between)))
-        ok = np.isfinite(power)
-        ahead = ok & (grid > wind)
-    least = _lowest(grid[ok], power[ok])
-    best = _lowest(grid[ahead], power[ahead] / (grid[ahead] - wind))
+        curve = curve.and_also(aircraft.steady(finer, climb, margin=False, near=curve))
+    least = _lowest(curve.speed, curve.power)
+    best = _lowest(curve.speed, _costs_of_distance(aircraft, curve, wind))
     wanted = np.array([0.0, least, best, fastest])
     asked = np.isfinite(wanted)
     named: list[NamedState | None] = [None] * len(wanted)
@@ -220,14 +211,30 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     return found
 
 
-def _around(x: Floats, places: NDArray[np.intp], y: Floats) -> Floats:
-    """Return points between the two neighbors of the point in ``places`` with the least ``y``."""
-    k = places[np.argmin(y[places])]
+def _costs_of_distance(aircraft: Aircraft, states: SteadyStates, wind: float) -> Floats:
+    """Return a quantity (n,) that is least at the best range; NaN for states without a distance.
+
+    With a battery, it is the negative distance on one battery: the energy per distance would ignore
+    that the voltage of the battery ends fast flight early.  Without a battery, it is the energy per
+    distance over ground.
+    """
+    ground = np.where(states.speed > wind, states.speed - wind, np.nan)
+    if aircraft.vehicle.powertrain.battery is None:
+        return states.power / ground
+    distance = endurance(aircraft, states) * ground
+    return np.where(np.isfinite(distance), -distance, np.nan)
+
+
+def _around(x: Floats, y: Floats) -> Floats:
+    """Return points between the two neighbors of the point with the least ``y``."""
+    k = int(np.nanargmin(y))
     return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
 
 
 def _lowest(x: Floats, y: Floats) -> float:
-    """Return the minimum of y, from the parabola through the least sample and its neighbors."""
+    """Return the place of the minimum of y, from the parabola through the least sample and its
+    neighbors; NaN if all samples are NaN."""
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if not x.size:
         return math.nan
     k = int(np.argmin(y))
@@ -242,6 +249,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 
 # --- The top speed of an aircraft, and its limit -------------------------------------------------
 
+SLOWER = 9  # number of speeds below the requested speeds, if none of these is possible
 BEYOND = 1.3  # ratio of successive speeds of the search above the requested speeds
 
 UNKNOWN = "unknown"  # limit of the top speed if no limit of the motors is known
@@ -283,6 +291,10 @@ def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
     """Return the largest speed, its limit, and ``states`` with all states of the search added."""
+    first = float(states.speed[0])
+    if first > 0.0 and not states.found.any():
+        slower = np.linspace(0.0, first, SLOWER, endpoint=False)
+        states = states.and_also(aircraft.steady(slower, climb, margin=False, near=states))
     low, high, why = _last_and_next(states)
     for _ in range(SEARCH_STEPS):
         if math.isnan(low):

@@ -25,7 +25,7 @@ from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, model_corrections
 from propmap.model.model import Model
-from propmap.model.propeller import Propeller
+from propmap.model.propeller import Propeller, check_blades
 from propmap.typing import Floats
 from propmap.units import INCH
 
@@ -95,6 +95,11 @@ def _named(name_or_path: str | os.PathLike[str], blades: int | None) -> expected
     """Return the entry or predicted blade for a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
+    if not name:
+        remedy = "give a catalogue name, a designation such as 'HQ 5x4.3x3', or a file"
+        raise InputError("the name of the propeller is empty", remedy)
+    if blades is not None:
+        blades = check_blades(blades)
     found: catalogue.Entry | expected.ExpectedBlade
     if name in catalogue.names():
         found = catalogue.entry(name)

@@ -103,6 +103,8 @@ def trim(
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
+        if not speeds.size:
+            raise InputError("--bank is given with --speed 0", "give speeds above 0 for a turn")
         out.note("a turn needs airspeed: 0 m/s is omitted")
 
     def steady(craft: Aircraft) -> list[SteadyStates]:

@@ -85,6 +85,9 @@ SIDE = re.compile(  # qualifiers of other quantities, as in "Speed (level) (km/h
     r"|min|max|std|sd|error|uncertainty|target|setpoint|command)\b"
 )
 
+OTHER_SPEED = re.compile(rf"{SIDE.pattern}|tip|sound|exit|jet|wake|gust|climb|inflow|induced")
+NO_SPEED = {"ms", "fps"}  # milliseconds and frames per second
+
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
@@ -201,6 +204,24 @@ class Header:
                 remedy = f"name it {' or '.join(columns)}, with its unit, or remove it"
                 raise InputError(fault, remedy)
         return found[0] if found else None
+
+    def speed_with_another_name(self) -> int | None:
+        """Return the place of a column with a unit of speed or an advance ratio, or None.
+
+        Qualified names of other speeds, as in "Tip speed (m/s)", are excluded.
+        """
+        mine = {one.place for several in self.taken.values() for one in several}
+        for place, name in enumerate(self.names):
+            if place in mine or place in self.blank or OTHER_SPEED.search(name.lower()):
+                continue
+            words, *split = _parted(name)
+            if words[0] in ("j", "advance ratio"):
+                return place
+            if any(
+                unit in SPEED and written.lower() not in NO_SPEED for _, unit, written, _ in split
+            ):
+                return place
+        return None
 
     def listed(self) -> str:
         """Return the names of the columns, each with the nearest known quantity, for messages."""

@@ -501,6 +501,8 @@ def read_columns(
             raise InputError(f"{fault}; {header.listed()}", remedy)
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
+        if "speed_mps" in wanted and "speed_mps" not in found:
+            _check_no_speed(header, rows)
         remarks = header.remarks(found)
         if "thrust_N" in further:
             _check_propellers(names, rows)
@@ -514,6 +516,16 @@ def read_columns(
             ]
             columns[name] = np.array(values) * one.factor
     return columns, remarks
+
+
+def _check_no_speed(header: Header, rows: Sequence[tuple[int, list[str]]]) -> None:
+    """Raise ``InputError`` for an airspeed whose name is unknown: the rows would be at rest."""
+    place = header.speed_with_another_name()
+    if place is None or not any("".join(row[place:][:1]).strip("-0., ") for _, row in rows):
+        return
+    fault = f"there is no column speed_mps, but {quoted(header.names[place])} may be the airspeed"
+    remedy = "name the airspeed with its unit, as in speed_mps, or remove this column"
+    raise InputError(fault, remedy)
 
 
 def _check_propellers(names: Sequence[str], rows: Sequence[tuple[int, list[str]]]) -> None:

@@ -78,7 +78,8 @@ class MujocoRotors:
     Raises
     ------
     InputError
-        If model and vehicle do not agree; in the callback, if a rotor has no loads.
+        If model and vehicle do not agree; in the callback, if a rotor has no loads or turns
+        backward.
     """
 
     def __init__(
@@ -162,8 +163,7 @@ class MujocoRotors:
         The inflow is steady.  Gyroscopic and reaction moments of the rotors are excluded.
         """
         velocity, rates, wind = self._flight(self.model, data)
-        omega = np.maximum(self._speeds.of(data)[0], 0.0)
-        return self._forces.wrench(omega, velocity, rates, wind)
+        return self._forces.wrench(self._speeds.of(data)[0], velocity, rates, wind)
 
     def _step(self, data: Any, length: float) -> _Step:
         """Return the step that starts at the time of ``data``, or a part of the last step."""
@@ -203,6 +203,9 @@ class MujocoRotors:
         if not np.isfinite(omega[k] + change[k]):
             found = f"at {time:.4g} s the command or the speed of {self.names[k]} is not finite"
             raise InputError(found, "set finite numbers in data.ctrl and data.act")
+        if omega[k] < 0.0:
+            found = f"at {time:.4g} s the speed of {self.names[k]} is {omega[k]:.4g} rad/s"
+            raise InputError(found, "keep data.act and ctrlrange at 0 or more")
         tabulated = "build a larger table, keep the flight inside the table, or pass clamp=True"
         raise InputError(
             f"at {time:.4g} s {self.names[k]} has no loads ({self.status[k]}), at "
