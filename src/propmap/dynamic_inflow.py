@@ -180,7 +180,8 @@ class DynamicInflow:
     ) -> Linearization:
         """Return the linear dynamics about a state, by default about the steady state.
 
-        The derivatives are central differences.  The eigenvalues of ``a`` are the rates at which
+        The derivatives are central differences; near omega = 0, those with respect to omega are
+        one-sided.  The eigenvalues of ``a`` are the rates at which
         small deviations grow.  Eigenvalues with a negative real part describe a decay.
 
         Parameters
@@ -209,6 +210,8 @@ class DynamicInflow:
         steps[self.size] /= tip
         ends = center + np.concatenate([np.diag(steps), np.diag(-steps)])
         n, size = center.size, self.size
+        ends[:, size] = np.maximum(ends[:, size], 0.0)
+        steps[size] = 0.5 * (ends[size, size] - ends[n + size, size])
         found, rows = self._motion(ends[:, :size], ..., ends[:, size], ends[:, size + 1 :])
         rates, loads = (
             ((values[:n] - values[n:]) / (2.0 * steps[:, None])).T

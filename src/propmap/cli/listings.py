@@ -98,6 +98,8 @@ def list_props(
         return
     cells = [(e.name, e.title, str(e.blades), f"{1e3 * e.diameter_m:.1f}") for e in entries]
     found = f"{len(entries)} propellers" + (f" with {text!r}" if text else "")
+    if not entries:
+        found += "; other commands also accept a designation with the size, such as 'HQ 5x4.3x3'"
     listed = [out.grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
     out.show(output, *listed, found)
 

@@ -334,8 +334,8 @@ GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
 PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
-    "rpm": "give 0 or more revolutions per minute, for both spin directions; only the option "
-    "--rpm accepts propellers that turn backward",
+    "rpm": "give revolutions per minute, 0 or more for both spin directions; only the option --rpm "
+    "accepts negative values, for propellers that turn backward",
     "speed": "give 0 or more m/s; beta is the direction, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",

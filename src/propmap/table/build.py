@@ -182,8 +182,8 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
         remedy = "start at the idle speed; build one table for each direction of rotation"
         raise InputError(f"{found}advance ratio is infinite", remedy)
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
-        found = "speed must not be negative, and beta must be between 0 and pi"
-        raise InputError(found, "for descent, give beta above pi/2")
+        found = "speed must not be negative, and beta must be between 0 and 180 degrees (pi)"
+        raise InputError(found, "for descent, give beta above 90 degrees (pi/2)")
     omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
     return omega, speed, np.minimum(beta, np.pi)
 
@@ -274,11 +274,11 @@ def check_between_speeds(
         least = np.ceil(slow ** (1.0 - share) * fast**share / RPM / 10.0) * 10.0 * RPM
         narrower = np.sort(np.sign(ends[0][0]) * np.array([least, fast]))
         if np.mean(_errors_between(model, (narrower, *ends[1:]))[0] > limit) <= small:
-            remedies = ["--rpm {:.0f}:{:.0f}".format(*(narrower / RPM))]
+            remedies = ["{:.0f}:{:.0f} rpm".format(*(narrower / RPM))]
             break
     wider = float(np.quantile(error, 1.0 - small)) / POINT_SHARE
     if wider < LARGEST_TOLERANCE:
-        remedies.append(f"--tolerance {1.01 * wider:.2%}")
+        remedies.append(f"a tolerance of {1.01 * wider:.2%}")
     raise InputError(
         f"from {ends[0][0] / RPM:.0f} to {ends[0][1] / RPM:.0f} rpm the loads change with the "
         "Reynolds number, and the error of interpolation between both ends exceeds "
