@@ -204,8 +204,11 @@ def gradients(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
 
 
 def inflow_as_state(rotor: Rotor) -> dict[str, float]:
-    """Return times [us]: the wrench of the steady solution, a step of the dynamic inflow, and a
-    call that returns both the wrench and the state after the step, for one rotor and for four."""
+    """Return the number of inflow states of a rotor, and times [us].
+
+    They are the times of the steady wrench, of a step of the dynamic inflow, and of a call that
+    returns both the wrench and the state after the step, for one rotor and for four.
+    """
     inflow, flight = DynamicInflow(rotor), (600.0, [8.0, 0.0, 2.0])
     state = 0.9 * inflow.steady(*flight)
     four = DynamicInflow(rotor, spin=("ccw", "ccw", "cw", "cw"))
@@ -216,7 +219,8 @@ def inflow_as_state(rotor: Rotor) -> dict[str, float]:
         "advance": lambda: inflow.advance(state, 0.002, *flight),
         "advance of four rotors": lambda: four.advance(states, 0.002, speeds, velocities),
     }
-    return {name: 1e6 * median_seconds(ask, 500) for name, ask in asked.items()}
+    times = {name: 1e6 * median_seconds(ask, 500) for name, ask in asked.items()}
+    return {"states": inflow.size, **times}
 
 
 def growth(rotor: Rotor) -> dict[str, Any]:
@@ -264,7 +268,10 @@ def measure() -> dict[str, Any]:
         "single_call": single_calls(rotors["recommended"]),
         "batches": batches(rotors),
         "gradients": gradients(rotors),
-        "inflow_as_state_us": inflow_as_state(rotors["recommended"]),
+        "inflow_as_state_us": {
+            one.model.airfoil.name: inflow_as_state(one)
+            for one in (Rotor(propmap.catalogue_model("apc-8x6e")), rotors["recommended"])
+        },
         "fine_over_standard": median_seconds(lambda: fine.loads(*some), 3) / coarse,
         "growth": growth(rotors["paper"]),
     }
@@ -289,8 +296,10 @@ def main() -> None:
     for name, cost in (found["batches"] | found["gradients"]).items():
         warm.add_row(name, f"{cost['wall_us']:.1f}", f"{cost['processor_us']:.1f}")
     console.print(cold, single, warm)
-    times = ", ".join(f"{name} {one:.0f} us" for name, one in found["inflow_as_state_us"].items())
-    console.print(f"dynamic inflow: {times}")
+    for law, (count, *costs) in ((k, v.values()) for k, v in found["inflow_as_state_us"].items()):
+        names = ("wrench", "step", "advance", "advance of four rotors")
+        times = ", ".join(f"{n} {one:.0f} us" for n, one in zip(names, costs, strict=True))
+        console.print(f"dynamic inflow, {law}, {count} states: {times}")
     console.print(f"fine over standard: {found['fine_over_standard']:.1f}")
     for count, cost in found["growth"]["cpu_microseconds_per_point"].items():
         console.print(f"oblique batch of {count}: {cost:.1f} us of processor time per point")

@@ -155,7 +155,6 @@ def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
 def speed(found: dict[str, Any]) -> str:
     """Tabulate times of whole processes and of calls, with their machine."""
     place, growth = found["machine"], found["growth"]["cpu_microseconds_per_point"]
-    state = found["inflow_as_state_us"]
     rows = [
         f"Medians on {place['cpu']}, {place['cores']} cores, Python {place['python']}, core built "
         f"for {place['instructions']} instructions; the machine's load was "
@@ -182,9 +181,15 @@ def speed(found: dict[str, Any]) -> str:
             for name, cost in (found["batches"] | found["gradients"]).items()
         ),
         "",
-        f"- Wrench of a rotor: {state['wrench']:.0f} µs.",
-        f"- Step of the dynamic inflow: {state['step']:.0f} µs; with the wrench "
-        f"{state['advance']:.0f} µs.",
+        "| constants of the APC 8x6E | inflow states | wrench, steady inflow "
+        "| wrench and step of the dynamic inflow | the same, four rotors |",
+        "|---|---:|---:|---:|---:|",
+        *(
+            f"| {law} | {one['states']} | {one['wrench']:.0f} µs | {one['advance']:.0f} µs "
+            f"| {one['advance of four rotors']:.0f} µs |"
+            for law, one in found["inflow_as_state_us"].items()
+        ),
+        "",
         f"- `fine` takes {found['fine_over_standard']:.1f} times as long as `standard`.",
         f"- Processor time per oblique point: {growth['1000']:.0f} µs for a thousand points, "
         f"{growth['1000000']:.0f} µs for a million.",
