@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.bands import OBLIQUE
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.fit import flight, parameters
@@ -385,8 +386,9 @@ class ForwardTrust:
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
     """Return the uncertainty before and after a fit, at rest and in axial and edgewise flow.
 
-    The uncertainty combines ``MODEL_ERROR`` with the error sqrt(g' S g) of the free constants of
-    ``model``.  S is their covariance, and g is the gradient of the load.
+    The uncertainty combines ``MODEL_ERROR``, the error of the theory in oblique flow
+    (``propmap.bands.OBLIQUE``) and the error sqrt(g' S g) of the free constants of ``model``.  S is
+    their covariance, and g is the gradient of the load.
     """
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
@@ -395,6 +397,8 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
     flow = np.full(speed.size, omega), speed * np.cos(BETA), speed * np.sin(BETA)
     rows = [list(LOADS).index(name) for name in JUDGED]
+    share = flow[2] / np.hypot(omega * model.propeller.radius, flow[2])
+    oblique = np.outer(share, [OBLIQUE[name] for name in JUDGED])
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         rotor = rotor_with(model, choice.values(x), setting)
@@ -404,7 +408,8 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
         part = covariance[np.ix_(mine, mine)]
         variance = np.einsum("lpm,pq,lqm->ml", found.slopes[rows], part, found.slopes[rows])
         load = found.loads[rows].T
-        relative = np.sqrt(variance + (MODEL_ERROR * load[0]) ** 2) / np.abs(load)
+        variance = variance + (MODEL_ERROR * load[0]) ** 2 + (oblique * load) ** 2
+        relative = np.sqrt(variance) / np.abs(load)
         return load, np.where(load < SMALL * load[0], np.nan, relative)
 
     _, was = loads(choice.first, before)
