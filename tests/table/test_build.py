@@ -112,7 +112,7 @@ def test_left_out_and_lost_points_are_nan_and_counted(rotor: propmap.Rotor) -> N
         ({"omega": (0.0, 500.0)}, "advance ratio is infinite"),
         ({"omega": (500.0, 400.0)}, "give the smaller value first"),
         ({"speed": (-1.0, 5.0)}, "speed must not be negative"),
-        ({"beta": (0.0, 4.0)}, "between 0 and pi"),
+        ({"beta": (0.0, 4.0)}, "between 0 and 180 degrees"),
     ],
 )
 def test_absurd_wishes(rotor: propmap.Rotor, change: dict[str, object], message: str) -> None:
@@ -182,10 +182,10 @@ def test_what_two_rotor_speeds_cannot_tell_is_said_at_once() -> None:
             **flight,
         )
     text = str(error.value)
-    for words in ("from 2000 to 9000 rpm", "Reynolds number", "mostly at beta", "--tolerance 3."):
+    for words in ("from 2000 to 9000 rpm", "Reynolds number", "mostly at beta", "a tolerance of 3."):
         assert words in text
     assert evaluated[-1] < 100_000
-    least = float(text.partition("--rpm ")[2].partition(":")[0])
+    least = float(text.partition("use ")[2].partition(":")[0])
     assert 2500.0 < least < 5000.0
     narrower = build_table(
         by_designation,

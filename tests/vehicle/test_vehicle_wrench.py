@@ -182,6 +182,8 @@ def test_bad_sources() -> None:
         VehicleForces(replace(QUAD, propeller=propmap.propeller("apc-9x6e")), ROTOR)
     with pytest.raises(InputError, match="loads is Model; give a Rotor or a LoadTable"):
         VehicleForces(QUAD, MODEL)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"vehicle is str; give propmap.read_vehicle\(path\).ve"):
+        VehicleForces("quad.toml", ROTOR)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"\[mount\], which does not apply to a table"):
         VehicleForces(QUAD, Patchy())
     close = (*SYMMETRIC.mounts, replace(SYMMETRIC.mounts[0], spin="ccw"))

@@ -318,6 +318,9 @@ def attach(
     """
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
+    if not isinstance(vehicle, Vehicle):
+        remedy = "give propmap.read_vehicle(path).vehicle"
+        raise InputError(f"vehicle is {type(vehicle).__name__}", remedy)
     # Compile before the actuators change: the compiler assigns the controls in keyframes to their
     # actuators, so the remaining actuators keep their controls.
     model, carrier = spec.compile(), spec.body(body)

@@ -17,6 +17,7 @@ from propmap.operating_points import broadcast, numbers
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import (
     HubFlow,
     check_apart,
@@ -27,7 +28,7 @@ from propmap.vehicle.wakes import (
 )
 
 if TYPE_CHECKING:
-    from propmap.vehicle.vehicle import Body, Vehicle, Wing
+    from propmap.vehicle.vehicle import Body, Wing
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,6 +226,9 @@ class Rotors:
 
         Raises ``InputError`` if propeller or air differ from the vehicle.
         """
+        if not isinstance(vehicle, Vehicle):
+            remedy = "give propmap.read_vehicle(path).vehicle"
+            raise InputError(f"vehicle is {type(vehicle).__name__}", remedy)
         if not isinstance(loads, LoadSource):
             raise InputError(
                 f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
