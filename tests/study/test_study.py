@@ -13,7 +13,7 @@ import xarray
 import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
-from propmap.study.files import read_study, response_surface
+from propmap.study.files import read_study
 from propmap.study.run import Study, changed_blade, pitch_of
 from propmap.sweep.run import InMemory, Store
 
@@ -92,23 +92,6 @@ def test_loads_are_those_of_each_design(rotor: Rotor, tmp_path: Path, where: str
         expected = alone.loads(float(one["rpm"]) * np.pi / 30.0, [0.0, 8.0], np.radians(70.0))
         np.testing.assert_allclose(one["thrust"].values[:, 0], expected.thrust, rtol=1e-12)
         np.testing.assert_allclose(one["torque"].values[:, 0], expected.torque, rtol=1e-12)
-
-
-def test_a_quadratic_is_found_and_another_function_is_told_apart() -> None:
-    rng = np.random.default_rng(0)
-    rows = {"diameter": rng.uniform(0.1, 0.3, 40), "pitch": rng.uniform(0.1, 0.2, 40)}
-    values = 3.0 + rows["diameter"] * rows["pitch"] - rows["pitch"] ** 2
-    surface = response_surface(rows, values)
-    assert surface.left_out_rms < 1e-12
-    new = {"diameter": np.array([0.15]), "pitch": np.array([0.11])}
-    assert surface(new)[0] == pytest.approx(3.0 + 0.15 * 0.11 - 0.11**2)
-    rough, error = np.sin(40.0 * rows["diameter"]), []
-    for k in range(40):
-        left = response_surface({n: np.delete(v, k) for n, v in rows.items()}, np.delete(rough, k))
-        error.append(left({n: v[[k]] for n, v in rows.items()})[0] - rough[k])
-    # The variables' ranges, by which they are scaled, do not matter to a full quadratic.
-    told = response_surface(rows, rough).left_out_rms
-    assert told == pytest.approx(np.sqrt(np.mean(np.square(error))), rel=1e-6)
 
 
 GOOD = EXAMPLE.read_text()

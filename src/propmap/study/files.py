@@ -1,8 +1,7 @@
-"""The study file in TOML, and the quadratic response surface of a study's results."""
+"""The study file in TOML."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -112,86 +111,3 @@ def read_study(path: Path) -> StudyFile:
         designs=file.sampling.designs,
         seed=file.sampling.seed,
     )
-
-
-# -------------------------------------------------------------------------------------------------
-# A quadratic response surface of a study's results, and its error at designs left out of the fit.
-
-
-@dataclass(frozen=True, eq=False)
-class ResponseSurface:
-    """A second-order polynomial of the variables of a study.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Variables.
-    low, high : ndarray, shape (k,)
-        Least and largest value of each variable.
-    coefficients : ndarray
-        Coefficients of the terms: the constant, each variable, and each product of two variables,
-        including squares.  The variables are scaled to -1 to 1.
-    left_out_rms : float
-        Root mean square error at designs left out of the fit one at a time, in the quantity's unit.
-    """
-
-    names: tuple[str, ...]
-    low: Floats
-    high: Floats
-    coefficients: Floats
-    left_out_rms: float
-
-    def __call__(self, rows: Mapping[str, Floats]) -> Floats:
-        """Return values (n,) at n designs; ``rows`` has values (n,) of each of ``names``."""
-        return np.asarray(_terms(self._unit(rows)) @ self.coefficients)
-
-    def middle(self) -> dict[str, float]:
-        """Return the middle of the range of each of ``names``."""
-        return dict(zip(self.names, (0.5 * (self.low + self.high)).tolist(), strict=True))
-
-    def _unit(self, rows: Mapping[str, Floats]) -> Floats:
-        """Return the variables (n, k) scaled from -1 to 1."""
-        values = np.stack([np.asarray(rows[name], np.float64) for name in self.names], axis=1)
-        return np.asarray(2.0 * (values - self.low) / (self.high - self.low) - 1.0)
-
-
-def response_surface(rows: Mapping[str, Floats], values: Floats) -> ResponseSurface:
-    """Fit a quadratic response surface by least squares.
-
-    Parameters
-    ----------
-    rows : mapping of str to ndarray, shape (n,)
-        Values of each variable at the n designs.
-    values : ndarray, shape (n,)
-        Quantity to fit; designs with NaN are left out.
-
-    Raises
-    ------
-    InputError
-        Unless there are more designs than coefficients of the quadratic.
-    """
-    good = np.isfinite(values)
-    used = {n: np.asarray(v)[good] for n, v in rows.items() if np.ptp(v[good] if good.any() else v)}
-    names = tuple(used)
-    low, high = (np.array([edge(v) for v in used.values()], float) for edge in (np.min, np.max))
-    unfitted = ResponseSurface(names, low, high, np.empty(0), np.nan)
-    terms = _terms(unfitted._unit(used)) if names else np.ones((int(good.sum()), 1))
-    count = terms.shape[1]
-    if good.sum() <= count:
-        found = f"a quadratic of {len(names)} variables has {count} coefficients"
-        found += f", but only {good.sum()} designs have values"
-        raise InputError(found, "give more designs")
-    # A variable with two levels does not determine its square: use the minimum-norm solution.
-    inverse = np.linalg.pinv(terms)
-    coefficients = inverse @ values[good]
-    # The residual over 1 - leverage is the residual of a fit without the point.
-    leverage = np.minimum(np.einsum("ij,ji->i", terms, inverse), 1.0 - 1e-9)
-    error = (values[good] - terms @ coefficients) / (1.0 - leverage)
-    return ResponseSurface(names, low, high, coefficients, float(np.sqrt(np.mean(error**2))))
-
-
-def _terms(unit: Floats) -> Floats:
-    """Return the terms 1, each variable, and each product of two variables, (n, t)."""
-    count, k = unit.shape
-    products = [unit[:, i] * unit[:, j] for i in range(k) for j in range(i, k)]
-    return np.column_stack([np.ones(count), unit, *products])
