@@ -204,7 +204,7 @@ def gradients(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
 
 
 def inflow_as_state(rotor: Rotor) -> dict[str, float]:
-    """Return the number of inflow states of a rotor, and times [us].
+    """Return the number of values in an inflow state of a rotor, and times [us].
 
     They are the times of the steady wrench, of a step of the dynamic inflow, and of a call that
     returns both the wrench and the state after the step, for one rotor and for four.
@@ -299,7 +299,7 @@ def main() -> None:
     for law, (count, *costs) in ((k, v.values()) for k, v in found["inflow_as_state_us"].items()):
         names = ("wrench", "step", "advance", "advance of four rotors")
         times = ", ".join(f"{n} {one:.0f} us" for n, one in zip(names, costs, strict=True))
-        console.print(f"dynamic inflow, {law}, {count} states: {times}")
+        console.print(f"dynamic inflow, {law}, {count} values per state: {times}")
     console.print(f"fine over standard: {found['fine_over_standard']:.1f}")
     for count, cost in found["growth"]["cpu_microseconds_per_point"].items():
         console.print(f"oblique batch of {count}: {cost:.1f} us of processor time per point")

@@ -668,7 +668,7 @@ class FreeBody {
                 state += values, next += values;
             }
             worst[k] = std::max(worst[k], now[k]);
-            const bool backward = omega.data()[k] < -1e-9;  // not by rounding
+            const bool backward = omega.data()[k] < -1e-9;  // rounding of a stopped rotor is accepted
             if (!lost && (backward || !std::isfinite(loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k]))) lost = k;
             add_rotor(all, mounts_[k], ahead, loads);
         }

@@ -181,8 +181,8 @@ def speed(found: dict[str, Any]) -> str:
             for name, cost in (found["batches"] | found["gradients"]).items()
         ),
         "",
-        "| constants of the APC 8x6E | inflow states | wrench, steady inflow "
-        "| wrench and step of the dynamic inflow | the same, four rotors |",
+        "| constants of the APC 8x6E | values per inflow state | wrench, steady inflow "
+        "| wrench and step of the dynamic inflow, one rotor | wrench and step, four rotors |",
         "|---|---:|---:|---:|---:|",
         *(
             f"| {law} | {one['states']} | {one['wrench']:.0f} µs | {one['advance']:.0f} µs "

@@ -133,9 +133,10 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 
 
 def _fitted_to(known: SectionUncertainty) -> float:
-    """Return the ``_advance`` up to which the residuals of a fit contain the error of the theory.
+    """Return the largest advance ratio of the fitted data, defined as in ``_advance``.
 
-    It is 0 for constants from another tunnel, and infinite for a fit without a known envelope.
+    Up to this ratio, the residuals of the fit contain the error of the theory in oblique flow.  The
+    ratio is 0 for constants from another tunnel, and infinite for a fit without a known envelope.
     """
     if known.another_tunnel:
         return 0.0

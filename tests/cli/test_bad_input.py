@@ -104,7 +104,7 @@ CASES: list[tuple[list[str], str]] = [
     ),
     ([*TUNNEL, "outlier.csv", *TO], "at 4500 rpm and 5 m/s, C_T is "),
     ([*TUNNEL, "huge.csv", *TO], "at 4500 rpm and 5 m/s, C_T is "),
-    ([*TUNNEL, "unnamed.csv", *TO], "'U (m/s)' may be the airspeed"),
+    ([*TUNNEL, "unnamed.csv", *TO], "'U (m/s)' may be the airspeed or the advance"),
     (["fit", "static", "--prop", "apc-8x6e", *TO, "unnamed.csv"], "may be the airspeed"),
     (["predict", "apc-8x6e", "--points", "advance.csv"], "'J' may be the airspeed"),
     (["trim", "set.toml"], "this is a parameter set, not a vehicle file; use it with --airfoil"),

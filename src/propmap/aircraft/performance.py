@@ -212,11 +212,11 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
 
 
 def _costs_of_distance(aircraft: Aircraft, states: SteadyStates, wind: float) -> Floats:
-    """Return a quantity (n,) that is least at the best range; NaN for states without a distance.
+    """Return a quantity (n,) whose minimum is the best range; NaN for speeds up to the wind.
 
-    With a battery, it is the negative distance on one battery: the energy per distance would ignore
-    that the voltage of the battery ends fast flight early.  Without a battery, it is the energy per
-    distance over ground.
+    With a battery, it is the negative distance on one battery.  The energy per distance does not
+    show that the battery voltage limits fast flight before the battery is empty.  Without a
+    battery, it is the energy per distance over ground.
     """
     ground = np.where(states.speed > wind, states.speed - wind, np.nan)
     if aircraft.vehicle.powertrain.battery is None:
@@ -249,7 +249,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 
 # --- The top speed of an aircraft, and its limit -------------------------------------------------
 
-SLOWER = 9  # number of speeds below the requested speeds, if none of these is possible
+SLOWER = 9  # number of lower speeds that the search tries if no requested speed is possible
 BEYOND = 1.3  # ratio of successive speeds of the search above the requested speeds
 
 UNKNOWN = "unknown"  # limit of the top speed if no limit of the motors is known

@@ -155,7 +155,8 @@ class Aircraft:
             fault = f"speed is negative ({v.min():g})"
             raise InputError(fault, "give 0 or more, because flight is nose first")
         if (np.abs(turn) > STEEPEST_BANK).any():
-            raise InputError("bank is above 80 degrees", "give at most 80 degrees (1.39 rad)")
+            fault = f"bank is {math.degrees(np.abs(turn).max()):.0f} degrees"
+            raise InputError(fault, "give at most 80 degrees (in Python: 1.39, in radians)")
         if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
             raise InputError("a turn needs speed and no climb", "give speed above 0 and climb 0")
         flight = SteadyFlight(v, w, turn)

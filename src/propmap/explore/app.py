@@ -385,7 +385,8 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"
-    # Without a KeyboardInterrupt, which fails inside Thread.start, and without waiting for a fit.
+    # End at once, without waiting for a fit.  A KeyboardInterrupt inside Thread.start would end the
+    # process with a traceback.
     signal.signal(signal.SIGINT, lambda *_: os._exit(0))
     say(f"propmap explore runs at {address}")
     say("Press Ctrl-C to stop.")

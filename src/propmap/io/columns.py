@@ -206,10 +206,8 @@ class Header:
         return found[0] if found else None
 
     def speed_with_another_name(self) -> int | None:
-        """Return the place of a column with a unit of speed or an advance ratio, or None.
-
-        Qualified names of other speeds, as in "Tip speed (m/s)", are excluded.
-        """
+        """Return the index of the first unrecognized column that has a unit of speed or contains
+        the advance ratio, or None.  Other speeds, such as "Tip speed (m/s)", do not count."""
         mine = {one.place for several in self.taken.values() for one in several}
         for place, name in enumerate(self.names):
             if place in mine or place in self.blank or OTHER_SPEED.search(name.lower()):

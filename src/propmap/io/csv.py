@@ -523,8 +523,11 @@ def _check_no_speed(header: Header, rows: Sequence[tuple[int, list[str]]]) -> No
     place = header.speed_with_another_name()
     if place is None or not any("".join(row[place:][:1]).strip("-0., ") for _, row in rows):
         return
-    fault = f"there is no column speed_mps, but {quoted(header.names[place])} may be the airspeed"
-    remedy = "name the airspeed with its unit, as in speed_mps, or remove this column"
+    like = quoted(header.names[place])
+    fault = f"there is no column speed_mps, but {like} may be the airspeed or the advance ratio"
+    remedy = (
+        "give the airspeed as speed_mps (V = J n D for an advance ratio J), or remove this column"
+    )
     raise InputError(fault, remedy)
 
 

@@ -396,7 +396,8 @@ def _impossible(
             most = "at most 0.25 for all propellers measured"
             if value > IMPOSSIBLE_COEFFICIENT:
                 return f"{symbol} is {value:.3g}, but {most}"
-            # In slow rows, errors of the balance may exceed the load: check large loads only.
+            # At low rotational speeds, errors of the balance may exceed the load, and the
+            # coefficients of a windmill are large: such rows are not checked.
             measured = np.abs(known[name])
             rows = (measured > IMPOSSIBLE_COEFFICIENT * size) & (v < turns * diameter)
             rows &= measured > np.nanmedian(measured)
@@ -422,7 +423,7 @@ def _ideal_share(
     across = v[rows] * np.sin(b[rows])
     # Glauert's momentum equation (10) for a uniform inflow, which needs the least power.
     induced = np.zeros_like(along)
-    most = 1e6 * air.density * disk  # [N], impossible for any propeller
+    most = 1e6 * air.density * disk  # thrust [N] of a hover inflow of 700 m/s; prevents overflow
     for _ in range(60):
         flow = np.hypot(along + induced, across)
         step = np.minimum(thrust[rows], most) / (2.0 * air.density * disk * np.maximum(flow, 1e-9))

@@ -182,8 +182,8 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
         remedy = "start at the idle speed; build one table for each direction of rotation"
         raise InputError(f"{found}advance ratio is infinite", remedy)
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
-        found = "speed must not be negative, and beta must be between 0 and 180 degrees (pi)"
-        raise InputError(found, "for descent, give beta above 90 degrees (pi/2)")
+        found = "speed must not be negative, and beta must be between 0 and 180 degrees"
+        raise InputError(found, "for descent, give beta above 90 degrees (in Python: pi/2 to pi)")
     omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
     return omega, speed, np.minimum(beta, np.pi)
 
