@@ -31,14 +31,14 @@ class Coefficients(NamedTuple):
 
 def looks_like_coefficients(path: Path) -> bool:
     """Return whether ``read_coefficients`` can read the file at ``path``."""
-    return format_of(read_lines(path, "load file", latin=True)) in (UIUC_LOADS, PERFILES)
+    return format_of(read_lines(path, "load table", latin=True)) in (UIUC_LOADS, PERFILES)
 
 
 def read_coefficients(path: Path) -> Coefficients:
     """Read a PERFILE, or a UIUC file with columns separated by blanks or commas.
 
     Its header is ``J CT CP [eta]``, with the rpm in the file name, or ``RPM CT CP`` (static)."""
-    lines = read_lines(path, "load file")
+    lines = read_lines(path, "load table")
     with located(str(path)):
         return _perfile(lines) if format_of(lines) is PERFILES else _uiuc(path, lines)
 
