@@ -33,7 +33,8 @@ NOMINAL_OMEGA, NOMINAL_SHARE = 6000.0 * RPM, 0.75
 """Speed [rad/s] and y/R at which the Reynolds number of the section table is computed."""
 
 ANGLES = 7201
-"""Number of angles in the section table.  CCBlade smooths it; many angles limit the change."""
+"""Number of angles in the section table.  CCBlade smooths the table.  With this many
+angles, smoothing changes the coefficients little."""
 
 
 class Grid(NamedTuple):
@@ -44,8 +45,8 @@ class Grid(NamedTuple):
 
 
 REFERENCE = Grid(960, 72)
-"""Grid of the reference.  In oblique flow, errors decrease slowly, because stall begins between
-stations."""
+"""Grid of the reference.  In oblique flow, errors decrease slowly with the number of stations,
+because stall begins between stations."""
 
 
 def ccblade_module() -> Any:

@@ -40,7 +40,7 @@ inline constexpr int harmonics_first = 3;
 inline constexpr double negligible = 1e-13;  // smaller harmonics, relative to tip speed plus flow speed, are set to zero
 
 // Return the number of nodes: the smallest of 24, 48 and 96 that suffices, or 192 if none does.  A number suffices if
-// the thrust differs by at most 0.2 % of the static thrust from the thrust with panels that meet at the folds.  The test
+// the thrust differs by at most 0.2 % of the static thrust from the thrust with panels that follow stall.  The test
 // points are in hover, climb, slow descent, edgewise and oblique flight.  Abrupt stall needs many nodes, because fixed
 // nodes cannot represent a beginning of stall between two nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {

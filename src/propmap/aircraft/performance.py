@@ -212,11 +212,11 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
 
 
 def _costs_of_distance(aircraft: Aircraft, states: SteadyStates, wind: float) -> Floats:
-    """Return a quantity (n,) whose minimum is the best range; NaN for speeds up to the wind.
+    """Return a cost (n,) that is least at the speed of best range; NaN up to the wind speed.
 
-    With a battery, it is the negative distance on one battery.  The energy per distance does not
-    show that the battery voltage limits fast flight before the battery is empty.  Without a
-    battery, it is the energy per distance over ground.
+    With a battery, it is the negative distance on one battery.  The energy per distance ignores
+    that, in fast flight, the voltage becomes too low before the battery is empty.  Without a
+    battery, the cost is the energy per distance over ground.
     """
     ground = np.where(states.speed > wind, states.speed - wind, np.nan)
     if aircraft.vehicle.powertrain.battery is None:

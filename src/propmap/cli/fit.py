@@ -489,7 +489,7 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
     out.show(
         None,
         out.grid(heads, rows, title),
-        "sd: relative standard deviation from the section constants and from errors of the model, "
-        f"{comparison.MODEL_ERROR:.0%} of the static load, and more in oblique flow; sd excludes "
-        "differences between thrust stands (a few percent)",
+        "sd: relative standard deviation from the section constants and from errors of the model "
+        f"({comparison.MODEL_ERROR:.0%} of the static load, and the error of the theory in oblique "
+        "flow); sd excludes differences between thrust stands (a few percent)",
     )

@@ -519,7 +519,7 @@ def read_columns(
 
 
 def _check_no_speed(header: Header, rows: Sequence[tuple[int, list[str]]]) -> None:
-    """Raise ``InputError`` for an airspeed whose name is unknown: the rows would be at rest."""
+    """Raise ``InputError`` if an unrecognized column may be the airspeed of these ``rows``."""
     place = header.speed_with_another_name()
     if place is None or not any("".join(row[place:][:1]).strip("-0., ") for _, row in rows):
         return

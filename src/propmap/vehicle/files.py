@@ -223,7 +223,7 @@ class VehicleFile:
     propeller : str
         Name, designation or file of the propeller, for ``propmap.catalogue_model``.
     blades : int or None
-        Number of blades in the file, if it contains one.
+        Number of blades stated in the file, or None.
     """
 
     vehicle: Vehicle
