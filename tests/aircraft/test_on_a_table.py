@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.sensitivity import power_gradient
+from propmap.aircraft.sensitivity import derivatives
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.model.corrections import Installed
@@ -51,15 +51,15 @@ def test_power_s_derivatives_are_those_of_the_table(vehicle: Vehicle, table: Loa
     """Beside trims on the same table; its own derivatives make no other error than its loads."""
     speeds = np.array([0.0, 5.0, 11.0])
     craft = Aircraft(vehicle, table)
-    found = power_gradient(craft, craft.steady(speeds, margin=False), ("speed", "mass"))
+    found = derivatives(craft, craft.steady(speeds, margin=False), ("speed", "mass"))
     more, less = (craft.steady(np.abs(speeds + h), margin=False).power for h in (0.01, -0.01))
-    scale = np.abs(found["speed"]).max()
-    assert found["speed"] == pytest.approx((more - less) / 0.02, abs=5e-3 * scale)
+    scale = np.abs(found["speed"].power).max()
+    assert found["speed"].power == pytest.approx((more - less) / 0.02, abs=5e-3 * scale)
     more, less = (
         Aircraft(replace(vehicle, mass=1.2 + h), table).steady(speeds, margin=False).power
         for h in (2e-3, -2e-3)
     )
-    assert found["mass"] == pytest.approx((more - less) / 4e-3, rel=5e-3)
+    assert found["mass"].power == pytest.approx((more - less) / 4e-3, rel=5e-3)
 
 
 def test_a_table_of_something_else(vehicle: Vehicle, table: LoadTable) -> None:

@@ -118,29 +118,6 @@ def derivatives(
     return found
 
 
-def power_gradient(
-    aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
-) -> dict[str, Floats]:
-    """Return derivatives of the electrical power, or of the shaft power if there is no motor.
-
-    Parameters
-    ----------
-    aircraft, states, names : Aircraft, SteadyStates, iterable of str
-        Parameters of ``derivatives``.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (n,)
-        Derivatives by name [W] per unit; NaN for states that were not found.
-
-    Raises
-    ------
-    InputError
-        As in ``derivatives``.
-    """
-    return {name: by.power for name, by in derivatives(aircraft, states, names).items()}
-
-
 def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
     """Return first-order standard deviations of steady states from those of the loads.
 
