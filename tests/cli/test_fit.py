@@ -125,7 +125,8 @@ def test_check_in_every_format(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> 
     assert (done.code, done.err) == (0, "")
     found = json.loads(done.out)
     assert set(found) == {"corrections", "rows", "loads"}
-    assert found["corrections"] == ["pitt-peters", "radial-friction"] and found["rows"] == 14
+    assert found["corrections"] == ["pitt-peters", "radial-friction", "installed"]
+    assert found["rows"] == 14
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
         assert set(load) == CHECKED | {"by_speed", "by_envelope", "in_band"}
@@ -133,6 +134,7 @@ def test_check_in_every_format(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> 
         assert load["by_envelope"] == {INSIDE: {key: load[key] for key in CHECKED}}
         assert sum(band["rows"] for band in load["by_speed"].values()) == 14
         # The data of the fit itself.
+        assert load["in_band"] >= 13.0 / 14.0
         residual = fit_record(tunnel_fit)["residuals"][name.partition("_")[0]]
         assert load["rms"] == pytest.approx(residual["rms"], rel=0.02)
         assert load["bias"] == pytest.approx(residual["bias"], rel=0.1)

@@ -85,12 +85,12 @@ def compare_tunnel(
     rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = HoverModel.from_rotor(rotor).loads(data.omega)
-    return {
-        LOADS[name].column: compared(
-            getattr(loads, name), measured, data.speed, hovers[name], beyond
-        )
-        for name, measured in data.loads.items()
-    }
+    found = {}
+    for name, measured in data.loads.items():
+        std = getattr(loads.std, name) if loads.std_by_source else np.nan
+        both = getattr(loads, name), measured
+        found[LOADS[name].column] = compared(*both, data.speed, hovers[name], beyond, std)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,13 +281,8 @@ def compare_forces(
     found = {}
     for k, name in enumerate(names):
         both = forces.model[:, k], measured[:, k]
-        one = compared(*both, log.speed, forces.hover[:, k], beyond)
-        if deviations is not None:
-            off = np.abs(both[0] - both[1])
-            known = np.isfinite(off) & np.isfinite(deviations[:, k])
-            if known.any():
-                inside = (off <= BAND * deviations[:, k])[known]
-                one = replace(one, in_band=float(np.mean(inside)))
+        std = np.nan if deviations is None else deviations[:, k]
+        one = compared(*both, log.speed, forces.hover[:, k], beyond, std)
         found[f"{name}_{flight.UNITS[name].replace(' ', '')}"] = one
     return found
 
@@ -342,9 +337,15 @@ def level_forces(
 
 
 def compared(
-    model: Floats, measured: Floats, speed: Floats, hover: Floats, beyond: Beyond | None
+    model: Floats,
+    measured: Floats,
+    speed: Floats,
+    hover: Floats,
+    beyond: Beyond | None,
+    std: Floats | float = np.nan,
 ) -> SpeedErrors:
-    """Return the errors of the loads ``model`` and ``hover`` against ``measured``, (n,) each."""
+    """Return the errors of the loads ``model`` and ``hover`` against ``measured``, (n,) each;
+    ``std`` contains the standard deviations of ``model``."""
     parts = {} if beyond is None else {INSIDE: ~beyond.samples, OUTSIDE: beyond.samples}
     by_envelope = {
         name: errors(model[mine], measured[mine], hover[mine])
@@ -352,7 +353,10 @@ def compared(
         if mine.any()
     }
     by_speed = by_band(model, measured, speed, hover)
-    return SpeedErrors(errors(model, measured, hover), by_speed, by_envelope)
+    off = np.abs(model - measured)
+    inside = (off <= BAND * np.asarray(std))[np.isfinite(off) & np.isfinite(std)]
+    share = float(inside.mean()) if inside.size else np.nan
+    return SpeedErrors(errors(model, measured, hover), by_speed, by_envelope, share)
 
 
 # --- Relative uncertainty of thrust and torque in forward flight, before and after a fit ---------
