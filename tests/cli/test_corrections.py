@@ -151,10 +151,14 @@ def test_or_is_refused_in_one_line(run: Run) -> None:
 
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
-    told = "fitted with pitt-peters, radial-friction, tip-loss; commands that use the fit apply"
-    assert told in done.out and parameter_set("with.toml").corrections == THREE
+    told = (
+        "fitted with pitt-peters, radial-friction, tip-loss, installed; commands that use the fit"
+    )
+    assert told in done.out and parameter_set("with.toml").corrections == (*THREE, "installed")
     predict = ["predict", "apc-8x6e", "--airfoil", "with.toml", *POINT]
-    assert "airfoil with + pitt-peters + radial-friction + tip-loss" in run(*predict).out
+    assert (
+        "airfoil with + pitt-peters + radial-friction + tip-loss + installed" in run(*predict).out
+    )
     # Others than those of the fit are refused, by every command.
     again = ["fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK]
     kept = "pitt-peters, radial-friction"
@@ -163,9 +167,9 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path) -> None:
         refused(done, f"was fitted with {kept}, tip-loss, not with {kept}, hub-loss")
     # Used as a start, it hands them on.
     run(*again, "-o", "on.toml")
-    assert parameter_set("on.toml").corrections == THREE
+    assert parameter_set("on.toml").corrections == (*THREE, "installed")
     checked = json.loads(run("check", "with.toml", tunnel_csv, "--format", "json").out)
-    assert tuple(checked["corrections"]) == THREE
+    assert tuple(checked["corrections"]) == (*THREE, "installed")
 
 
 def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path) -> None:

@@ -52,8 +52,8 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
     text, told = page_of(folder).replace("&#39;", "'"), fit_record(tunnel_fit)
     assert "no cross-validation" in text.lower()
     assert "Fitted data, which do not test the fit independently: tunnel.csv" in text
-    # The data have no drag: how the rotor is installed cannot be known.
-    assert "The rotor drag is that of bare blades" in text
+    # The data contain no drag, so a typical installation is assumed.
+    assert "The rotor drag is that of the installed rotor: 1.9 (+- 0.6) times" in text
     by_speed = told["residuals"]["thrust"]["by_speed"]
     thrust = [row for row in rows_of(folder / "fit-errors.csv") if row["load"] == "thrust"]
     assert [row["speed_band"] for row in thrust] == list(by_speed)

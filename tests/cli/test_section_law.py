@@ -17,6 +17,7 @@ from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR
 from tests.io import samples
 
 from .conftest import BETA, POINT, RPM, SPEED, Run
+from .fit_inputs import VEHICLE
 from .invented_tables import certificate, invented
 
 AT = (RPM * np.pi / 30.0, SPEED, np.radians(BETA))
@@ -95,6 +96,24 @@ def test_drag_is_that_of_the_installed_rotor_or_of_bare_blades(run: Run) -> None
     # Nothing else is known of the mount: a factor of about two either way.
     assert 0.25 < whole["drag_std_N"] / whole["drag_N"] < 0.45
     assert bare["drag_std_N"] < 0.15 * blades
+
+
+def test_drag_that_a_fit_did_not_measure_is_that_of_the_installed_rotor(
+    run: Run, tunnel_fit: Path
+) -> None:
+    law = propmap.airfoil(tunnel_fit)
+    own = ["apc-8x6e", "--airfoil", str(tunnel_fit), *POINT, "--format", "json"]
+    whole, bare = (json.loads(run("predict", *own, *more).out) for more in ([], ["--bare"]))
+    model = propmap.Model(propmap.propeller("apc-8x6e"), law)
+    loads = propmap.Rotor(model).loads(*AT)
+    assert whole["drag_N"] == pytest.approx(float(loads.drag), rel=1e-9)
+    assert whole["drag_N"] > TYPICAL_FACTOR[0] * bare["drag_N"]
+    assert whole["drag_std_N"] > 0.25 * whole["drag_N"] > bare["drag_std_N"]
+    assert whole["thrust_N"] == bare["thrust_N"] and whole["torque_Nm"] == bare["torque_Nm"]
+    # The rotor of an aircraft is installed as well.
+    Path("vehicle.toml").write_text(VEHICLE)
+    trim = ["trim", "vehicle.toml", "--airfoil", str(tunnel_fit), "--speed", "8", "--no-bands"]
+    assert "installed rotors" in run(*trim).out
 
 
 PLATE = ["apc-8x6e", "--airfoil", "plate.csv"]

@@ -19,7 +19,7 @@ from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
 from propmap.io.csv import number_or_none
-from propmap.model.corrections import as_text, model_corrections
+from propmap.model.corrections import as_text, model_corrections, split_mount
 from propmap.tasks import InProcesses, Workers, cores
 from propmap.units import INCH
 
@@ -93,7 +93,8 @@ def choose(
     there = {one.name for one in own if law is None}
     others = ranking.catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
-    corrections = model_corrections(model or "recommended", correction or (), installed=law is None)
+    installed = law is None or bool(split_mount(law.corrections or ())[1])
+    corrections = model_corrections(model or "recommended", correction or (), installed=installed)
     rests_on = assumptions(read, None, [as_text(value) for value in corrections])
     judge = ranking.Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     craft = judge.aircraft(candidates[0])

@@ -28,7 +28,7 @@ from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, 
 from propmap.model import plausibility
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
-from propmap.model.corrections import in_words
+from propmap.model.corrections import Installed, in_words
 from propmap.model.envelope import Envelope
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
@@ -244,6 +244,11 @@ def check_outputs(output: Path | None, *pictures: Path | None) -> None:
 
 # --- Output of ``propmap fit``: parameters with their verdicts, residuals, remarks ---------------
 
+NO_DRAG = (
+    "the fitted loads contain no rotor drag: commands that use the fit predict the drag of a "
+    "typical installed rotor (correction installed); predict --bare excludes the installation"
+)
+
 
 def finish(
     fitted: Fitted,
@@ -318,6 +323,9 @@ def _finish_tunnel(
     weights: Mapping[str, float] | None = None,
 ) -> None:
     """Write, draw and print a fit to loads; only its file contains the ``warnings`` on the data."""
+    bare = choice.model == "paper" or model.correction_of(Installed) is not None
+    if "drag" not in fitted.rows.names and not bare:
+        model, remarks = model.with_mount(Installed()), [*remarks, NO_DRAG]
     rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     remarks = [*remarks, *range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]

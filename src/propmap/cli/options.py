@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, cast, get_type_hints
 
 import numpy as np
 import typer
@@ -90,8 +90,9 @@ BareOption = Annotated[
     bool,
     Option(
         "--bare",
-        help="Report the rotor drag of the bare blades. By default, the correction "
-        "'installed' models the rotor on a motor, except with --airfoil or --model paper.",
+        help="Report the rotor drag of the bare blades. By default, the correction 'installed' "
+        "models the rotor on a motor, except with --model paper and with --airfoil. With "
+        "--airfoil FIT, it does so unless the fit contains measured rotor drag.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -155,8 +156,8 @@ class RotorChoice:
         """Return the rotor, and print notes on assumptions and implausible values."""
         blade, air = self.blade(), self.medium()
         law = section_law(self.airfoil, self.prop, blade, self.blades)
-        by_name = self.airfoil is None and not self.bare
-        section = with_physics(law, self.model, self.correction, installed=by_name)
+        installed = False if self.bare else self.airfoil is None or None
+        section = with_physics(law, self.model, self.correction, installed=installed)
 
         from propmap.rotor import Rotor
 
@@ -243,14 +244,21 @@ def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
 
 
 def with_physics(
-    law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool = False
+    law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool | None = None
 ) -> Law:
-    """Return the law with the corrections of ``--model`` and ``--correction``."""
+    """Return the law with the corrections of ``--model`` and ``--correction``.
+
+    If ``added`` has no installation, ``installed`` adds a typical one (True) or removes that of the
+    law (False).
+    """
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
+    if installed is False and own is not None:
+        own, given = split_mount(own)[0], cast(Any, law)
+        law = replace(given, corrections=own)
     if model is None and not physics and own is not None:
         return law.with_corrections([*split_mount(own)[0], *mount])
-    chosen = model_corrections(model or "recommended", more, installed=installed)
+    chosen = model_corrections(model or "recommended", more, installed=bool(installed))
     return law.with_corrections([as_text(value) for value in chosen])
 
 
@@ -356,7 +364,7 @@ def aircraft_of(
     note_reading(file.propeller, blade, file.blades)
     note(*blade_warnings(blade))
     law = section_law(airfoil, file.propeller, blade, file.blades)
-    law = with_physics(law, model, correction, installed=airfoil is None)
+    law = with_physics(law, model, correction, installed=airfoil is None or None)
 
     from propmap.rotor import Rotor
 
