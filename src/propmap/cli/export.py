@@ -144,6 +144,8 @@ def export(
         fault = f"--to {to} needs a vehicle file"
         raise InputError(fault, "give VEHICLE.toml, see propmap trim", source)
     check_folder(output)
+    for note in [] if force else output.glob(f"README-{to}.*"):
+        raise InputError("the file exists", "pass --force to replace it", str(note))
     if _is_vehicle(path, to, table):
         refuse(prop=prop, table=table if to in ROTOR_TARGETS else None)
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
