@@ -151,9 +151,7 @@ def test_or_is_refused_in_one_line(run: Run) -> None:
 
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
-    told = (
-        "fitted with pitt-peters, radial-friction, tip-loss, installed; commands that use the fit"
-    )
+    told = "model: pitt-peters, radial-friction, tip-loss, installed; commands that use the fit"
     assert told in done.out and parameter_set("with.toml").corrections == (*THREE, "installed")
     predict = ["predict", "apc-8x6e", "--airfoil", "with.toml", *POINT]
     assert (

@@ -245,8 +245,8 @@ def check_outputs(output: Path | None, *pictures: Path | None) -> None:
 # --- Output of ``propmap fit``: parameters with their verdicts, residuals, remarks ---------------
 
 NO_DRAG = (
-    "the fitted loads contain no rotor drag: commands that use the fit predict the drag of a "
-    "typical installed rotor (correction installed); predict --bare excludes the installation"
+    "rotor drag was not fitted: this fit predicts the drag of a typical installed rotor "
+    "(correction installed); for bare blades, use --bare of predict, sweep or table"
 )
 
 
@@ -305,7 +305,7 @@ def _printed(
     best = sum(end.minimum == 1 for end in ends)
     many = f"{len(ends)} starts, {best} reached the best minimum" if len(ends) > 1 else "1 start"
     yield f"{many}; {fitted.seconds:.1f} s"
-    yield f"fitted with {in_words(corrections)}; commands that use the fit apply the same model"
+    yield f"model: {in_words(corrections)}; commands that use the fit apply the same model"
     yield from (f"note: {remark}" for remark in remarks)
 
 

@@ -91,8 +91,8 @@ BareOption = Annotated[
     Option(
         "--bare",
         help="Report the rotor drag of the bare blades. By default, the correction 'installed' "
-        "models the rotor on a motor, except with --model paper and with --airfoil. With "
-        "--airfoil FIT, it does so unless the fit contains measured rotor drag.",
+        "models the rotor on a motor. Exceptions: --model paper, and --airfoil without a stored "
+        "installation.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -248,8 +248,8 @@ def with_physics(
 ) -> Law:
     """Return the law with the corrections of ``--model`` and ``--correction``.
 
-    If ``added`` has no installation, ``installed`` adds a typical one (True) or removes that of the
-    law (False).
+    Without the correction ``installed`` in ``added``, True adds the typical one, False removes that
+    of the ``law``, and None keeps it.
     """
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)

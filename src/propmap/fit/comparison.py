@@ -345,7 +345,7 @@ def compared(
     std: Floats | float = np.nan,
 ) -> SpeedErrors:
     """Return the errors of the loads ``model`` and ``hover`` against ``measured``, (n,) each;
-    ``std`` contains the standard deviations of ``model``."""
+    the standard deviations ``std`` of ``model`` determine ``in_band``."""
     parts = {} if beyond is None else {INSIDE: ~beyond.samples, OUTSIDE: beyond.samples}
     by_envelope = {
         name: errors(model[mine], measured[mine], hover[mine])
