@@ -179,7 +179,6 @@ CALLS: dict[str, Callable[[pm.Rotor, Callable[[], Any]], Any]] = {
     "gradients": lambda r, a: r.gradients(NAMES[:3], a(), a(), a()),
     "hover": lambda r, a: r.hover_inflow(a()),
     "attached": lambda r, a: r.attached_thrust(a(), a(), a()),
-    "explain": lambda r, a: r.explain(a(), a(), a()),
     "inflow": lambda r, a: r.inflow(a(), a(), a(), radius=a()),
     "azimuth": lambda r, a: r.inflow(500.0, 5.0, 1.0, azimuth=a()),
     "section": lambda r, a: r.model.airfoil.coefficients(a(), a()),
@@ -414,6 +413,13 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         assert inflow.step(states, 0.01, 0.0 * ones, vectors).shape == states.shape
         field = one.disk_field(np.ones((5, 1)), ones[:1000] * 0.05, ones[:0])
         assert field[1].shape == (min(count, 1000), 0, 6)
+
+
+@pytest.mark.parametrize("motion", [(-600.0, 1.0, 4.0), (-600.0, 0.0, 0.0), (600.0, 1.0, -4.0)])
+def test_a_negative_omega_or_inplane_velocity_has_no_loads(motion: tuple[float, ...]) -> None:
+    """C++ programs pass such points directly; Python mirrors them first."""
+    found, _ = rotor()._core.loads(np.array([[*motion, np.inf, np.inf]]).T.copy(), (), 1)
+    assert np.isnan(found[:6]).all() and found[6, 0] == len(STATUSES) - 1
 
 
 @pytest.mark.parametrize(("count", "psi"), [(0, None), (3, [0.3]), (1101, None)])

@@ -101,8 +101,8 @@ template <template <class> class LawOf> class RotorSolver {
     // Solve an operating point.
     void solve(const Flow<double>& at, Solution& s) const {
         const double fastest = std::max({at.omega * rotor_.tip(), std::fabs(at.v_axial), at.v_inplane});
+        if (!(fastest < fastest_flow) || at.omega < 0.0 || at.v_inplane < 0.0) return set_inflow(at, std::nan(""), s);
         if (fastest <= speed_floor) return set_inflow(at, 0.0, s);
-        if (!(fastest < fastest_flow)) return set_inflow(at, std::nan(""), s);
         prepare(at, s);
         const double advance = advance_ratio(at), sharper = sharpness();
         const bool follow = advance <= (at.v_axial < 0.0 ? follow_descent_below : follow_below);
