@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.aircraft.performance import performance
 from propmap.aircraft.sensitivity import derivatives
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
@@ -45,6 +46,17 @@ def test_the_same_states(vehicle: Vehicle, table: LoadTable) -> None:
     assert by_table.residual.max() < 1e-8
     outside = Aircraft(vehicle, table).steady([20.0], margin=False)
     assert outside.status.tolist() == ["outside_table"] and np.isnan(outside.shaft_power[0])
+
+
+def test_no_minimum_is_reported_at_the_last_speed_of_a_table(
+    vehicle: Vehicle, table: LoadTable
+) -> None:
+    beyond, within = (
+        performance(craft, craft.steady([0.0, 6.0], margin=False))
+        for craft in (Aircraft(vehicle, rotor_of(vehicle)), Aircraft(vehicle, table))
+    )
+    assert beyond.best_range is not None and beyond.best_range.speed > 14.0
+    assert within.best_range is None and within.hover is not None
 
 
 def test_power_s_derivatives_are_those_of_the_table(vehicle: Vehicle, table: LoadTable) -> None:

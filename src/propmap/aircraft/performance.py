@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.aircraft.sensitivity import Responses, StateChange, spread
-from propmap.aircraft.trim import Aircraft, SteadyStates
+from propmap.aircraft.trim import OUTSIDE_TABLE, Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.io.csv import numbers_of
 from propmap.typing import Floats
@@ -166,8 +166,8 @@ def performance(
         # More speeds around both minima are needed, because power jumps where a wing stalls.
         finer = np.setdiff1d(np.concatenate(places), grid)
         curve = curve.and_also(aircraft.steady(finer, climb, margin=False, near=curve))
-    least = _lowest(curve.speed, curve.power)
-    best = _lowest(curve.speed, _costs_of_distance(aircraft, curve, wind))
+    curves = curve.power, _costs_of_distance(aircraft, curve, wind)
+    least, best = (_lowest(curve.speed, y, limit in (UNKNOWN, OUTSIDE_TABLE)) for y in curves)
     wanted = np.array([0.0, least, best, fastest])
     asked = np.isfinite(wanted)
     named: list[NamedState | None] = [None] * len(wanted)
@@ -231,15 +231,15 @@ def _around(x: Floats, y: Floats) -> Floats:
     return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
 
 
-def _lowest(x: Floats, y: Floats) -> float:
+def _lowest(x: Floats, y: Floats, open_end: bool) -> float:
     """Return the place of the minimum of y, from the parabola through the least sample and its
-    neighbors; NaN if all samples are NaN."""
+    neighbors; NaN if all samples are NaN, or if y decreases up to an ``open_end``."""
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if not x.size:
         return math.nan
     k = int(np.argmin(y))
     if k in (0, x.size - 1):
-        return float(x[k])
+        return math.nan if k > 0 and open_end else float(x[k])
     # Divided differences, as the speeds need not be evenly spaced.
     a, b, c = x[k - 1 : k + 2]
     first = (y[k] - y[k - 1]) / (b - a)
