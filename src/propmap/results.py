@@ -232,52 +232,6 @@ class Inflow:
         return float(area / np.trapezoid(self.radius, self.radius))
 
 
-@dataclass(frozen=True)
-class SearchReport:
-    """Solution of equation (11) at one operating point; S stations from root to tip.
-
-    Attributes
-    ----------
-    radius : ndarray, shape (S,)
-        Radius y of the stations [m].
-    inflow : ndarray, shape (S,)
-        v_i at the end of the search [m/s].
-    residual : ndarray, shape (S,)
-        Blade-element thrust minus momentum thrust for this inflow [N/m].
-    found : ndarray, shape (S,)
-        Whether the search found the largest root.
-    edges : ndarray, shape (P + 1,)
-        Boundaries of the P panels that contain the stations, root and tip included [m].  The
-        inner boundaries follow the onset of stall.
-    azimuths : int
-        Number of azimuths over which loads are averaged.
-    tip : float
-        Blade radius R [m].
-    """
-
-    radius: Floats
-    inflow: Floats
-    residual: Floats
-    found: NDArray[np.bool_]
-    edges: Floats
-    azimuths: int
-    tip: float
-
-    def __str__(self) -> str:
-        lost = np.flatnonzero(~self.found)
-        if not lost.size:
-            worst = float(np.abs(self.residual).max())
-            return (
-                f"all {self.radius.size} stations converged, over {self.azimuths} azimuths; the "
-                f"largest residual is {worst:.1g} N/m"
-            )
-        k = int(lost[0])
-        return (
-            f"{lost.size} of {self.radius.size} stations did not converge; the first at "
-            f"y = {self.radius[k]:.5f} m (y/R = {self.radius[k] / self.tip:.3f})"
-        )
-
-
 def _load_values(of: Callable[[str], Any]) -> LoadValues:
     """Return ``LoadValues`` with the value ``of(name)`` in each field."""
     return LoadValues(**{each.name: of(each.name) for each in fields(LoadValues)})

@@ -349,29 +349,6 @@ class Rotor:
         stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
         return results.Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
-    def explain(self, omega: float, speed: float, beta: float) -> results.SearchReport:
-        """Return the solution of the inflow equation (11) at each station, with its residual.
-
-        Use this method if a status is "not_converged": ``print(rotor.explain(...))`` names the
-        first station without a solution.
-
-        Parameters
-        ----------
-        omega, speed, beta : float
-            One operating point, as in ``loads``.
-
-        Raises
-        ------
-        InputError
-            For arrays, a negative omega, and values that ``loads`` refuses.
-        """
-        found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
-        radius, inflow, residual = found["nodes"]
-        edges, known, tip = found["edges"][0], np.isfinite(inflow), self.model.span[1]
-        return results.SearchReport(
-            radius, inflow, residual, known, edges, azimuths=found["azimuths"], tip=tip
-        )
-
     def _allowed(self, points: FlowPoints) -> FlowPoints:
         """Return ``points``; raise ``InputError`` for distances below 0.3 R."""
         for name, values in (("height", points.height), ("ceiling", points.ceiling)):

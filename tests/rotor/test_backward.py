@@ -99,7 +99,6 @@ def test_functions_without_backward_rotation_refuse_a_negative_omega() -> None:
     refusals = (
         lambda: ROTOR.gradients(["omega"], -600.0, 0.0, 0.0),
         lambda: ROTOR.inflow(-600.0, 0.0, 0.0),
-        lambda: ROTOR.explain(-600.0, 0.0, 0.0),
         lambda: ROTOR.hover_inflow(-600.0),
         lambda: pm.DynamicInflow(ROTOR).steady(-600.0, [1.0, 0.0, 0.0]),
     )

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 import propmap as pm
 from propmap.loads import LOADS
+from propmap.operating_points import along_and_across
 from tests.oracle.literal_harmonics import _element
 from tests.oracle.literal_rotor import LiteralRotor, literal_rotor, radial_nodes
 from tests.oracle.points import MU, RHO
@@ -48,6 +49,10 @@ def literal() -> LiteralRotor:
     return rotor
 
 
+def radii_of_nodes(rotor: pm.Rotor) -> np.ndarray:
+    return np.asarray(rotor._core.solution(along_and_across(OMEGA, 0.0, 0.0).rows)["nodes"][0])
+
+
 def rates_of_annuli(literal: LiteralRotor, radii: np.ndarray, inflow: np.ndarray) -> np.ndarray:
     found = [
         literal.residual(y, np.array([v]), literal.azimuth)[0] / RHO
@@ -60,7 +65,7 @@ def test_annuli_move_by_the_residual_over_their_mass(
     attached: pm.DynamicInflow, literal: LiteralRotor
 ) -> None:
     """m dv/dt = residual of (11), from far below the steady inflow and from far above."""
-    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    radii = radii_of_nodes(attached.rotor)
     steady = attached.steady(OMEGA, STILL)
     roots = [literal.inflow_root(y)[0] for y in radii]
     np.testing.assert_allclose(steady[3:], roots, rtol=1e-6)
@@ -85,7 +90,7 @@ def test_annuli_move_by_the_residual_over_their_mass(
 def test_eigenvalues_in_hover_are_those_of_annuli_mean_and_gradients(
     attached: pm.DynamicInflow, literal: LiteralRotor
 ) -> None:
-    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    radii = radii_of_nodes(attached.rotor)
     steady = attached.steady(OMEGA, STILL)[3:]
     step = 1e-3
     slopes = [rates_of_annuli(literal, radii, steady + by) / (2.0 * step) for by in (step, -step)]
