@@ -19,7 +19,7 @@ from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller
 from propmap.errors import InputError
-from propmap.model.airfoil import Airfoil, SectionCovariance
+from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
 from propmap.model.model import Model, Section
 from propmap.model.propeller import Propeller
@@ -339,7 +339,8 @@ class Candidate:
         """
         if self.covariance is None or not isinstance(self.airfoil, Airfoil):
             return []
-        known = self.covariance.determined
+        own = [name for name in self.covariance.names if name in CONSTANTS]
+        known = self.covariance.of(own).determined
         variances, axes = np.linalg.eigh(known.matrix)
         found = []
         for variance, axis in zip(variances, axes.T, strict=True):

@@ -58,6 +58,8 @@ def check(
     """Compare a fit with held-out measurements."""
     chosen = out.chosen_format(format_, output)
     law = opt.with_physics(airfoil(fit), model, correction)
+    if vehicle is not None:
+        opt.refuse_two_mounts(read_vehicle(vehicle).vehicle, correction)
     found = _compare(fit, law, data, vehicle, prop)
     if chosen == "table":
         out.show(output, _table(found, law))

@@ -162,6 +162,7 @@ def export(
             elif to in VEHICLE_TARGETS and not isinstance(loads, Rotor):
                 paths = export_vehicle(craft.vehicle, loads, to, output, replace=force, **patterns)
             else:
+                out.note(f"--to {to} writes one rotor, without its position, axis and spin")
                 paths = write(loads)
         out.note(*assumption_lines(assumptions(craft.vehicle, loads)))
         out.note(*craft.balance.allocation.notes)
@@ -217,8 +218,8 @@ def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
     least, most = (w / RPM for w in omega)
     echo(
         f"building a table of {model.propeller.name}, {model.law_title}, at {least:.0f} to "
-        f"{most:.0f} rpm, {speed[0]:g} to {speed[1]:.3g} m/s, beta 0 to 180 deg; for another range "
-        "or error, use propmap table",
+        f"{most:.0f} rpm, {speed[0]:g} to {speed[1]:.3g} m/s, beta 0 to 180 deg, "
+        f"{model.air.density:.4g} kg/m^3; for another range, error or air, use propmap table",
         err=True,
     )
     opt.note_reynolds(model, np.array(omega), np.array(speed), np.array(built_tables.BETA))

@@ -25,10 +25,11 @@ from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
 from propmap.fit.least_squares import FlightErrors, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
+from propmap.loads import DRAG_FACTOR, MOUNT_AREA
 from propmap.model import plausibility
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
-from propmap.model.corrections import Installed, in_words
+from propmap.model.corrections import INSTALLED, Installed, in_words
 from propmap.model.envelope import Envelope
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
@@ -180,6 +181,15 @@ def _pair(text: str, option: str) -> tuple[str, str]:
     return known(name.strip()), value.strip()
 
 
+def start_law(airfoil: str | None) -> Airfoil | None:
+    """Return the constants of ``--airfoil`` without an assumed installation, or None."""
+    law = opt.constants(airfoil) if airfoil else None
+    if law is None or law.corrections is None:
+        return law
+    kept = tuple(text for text in law.corrections if text != INSTALLED)
+    return law.with_parameters(corrections=kept)
+
+
 def _number(text: str, where: str) -> float:
     try:
         return float(text)
@@ -245,8 +255,8 @@ def check_outputs(output: Path | None, *pictures: Path | None) -> None:
 # --- Output of ``propmap fit``: parameters with their verdicts, residuals, remarks ---------------
 
 NO_DRAG = (
-    "rotor drag was not fitted: this fit predicts the drag of a typical installed rotor "
-    "(correction installed); for bare blades, use --bare of predict, sweep or table"
+    "rotor drag in oblique flow was not fitted: this fit predicts the drag of a typical installed "
+    "rotor (correction installed); for bare blades, use --bare of predict, sweep or table"
 )
 
 
@@ -323,8 +333,8 @@ def _finish_tunnel(
     weights: Mapping[str, float] | None = None,
 ) -> None:
     """Write, draw and print a fit to loads; only its file contains the ``warnings`` on the data."""
-    bare = choice.model == "paper" or model.correction_of(Installed) is not None
-    if "drag" not in fitted.rows.names and not bare:
+    drag = "drag" in fitted.rows.names and measured.has_rotor_drag
+    if not drag and choice.model != "paper" and model.correction_of(Installed) is None:
         model, remarks = model.with_mount(Installed()), [*remarks, NO_DRAG]
     rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
@@ -377,11 +387,8 @@ def fit_tunnel(
 ) -> None:
     """Fit section constants to wind-tunnel or bench measurements."""
     check_outputs(output, asked.picture)
-    base = opt.constants(choice.airfoil) if choice.airfoil else None
-    blade = choice.blade()
-    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+    base, blade = start_law(choice.airfoil), choice.blade()
     expected = asked.expected(choice.prop, blade, base)
-    chosen = asked.chosen(default, base, expected=expected)
     pairs = (text.partition("=") for text in weight or ())
     weights = {name.strip(): _number(value, f"--weight {name}") for name, _, value in pairs}
     air = choice.medium()
@@ -389,11 +396,18 @@ def fit_tunnel(
     out.note(*measured.remarks)
     law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
-    options: Any = {
-        "loads": [name.strip() for name in loads.split(",")] if loads else [],
-        "weights": weights,
-        "setting": choice.accuracy,
-    }
+    names = [name.strip() for name in loads.split(",")] if loads else []
+    mount: dict[str, Prior] = {}
+    drag = measured.has_rotor_drag and (not names or "drag" in names)
+    if drag and choice.model != "paper" and model.correction_of(Installed) is None:
+        typical, radius = Installed(), blade.radius
+        means = {DRAG_FACTOR: typical.blade_factor, MOUNT_AREA: typical.area(radius)}
+        mount = {n: Prior(means[n], std) for n, std in typical.deviations(radius).items()}
+    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", *mount)
+    chosen = asked.chosen(default, base, expected=expected)
+    if asked.free is None:
+        chosen = replace(chosen, priors={**mount, **chosen.priors})
+    options: Any = {"loads": names, "weights": weights, "setting": choice.accuracy}
 
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
@@ -433,7 +447,7 @@ def fit_static(
     The command also predicts thrust and torque in forward flight, with standard deviations.
     """
     check_outputs(output, asked.picture)
-    base = opt.constants(choice.airfoil) if choice.airfoil else None
+    base = start_law(choice.airfoil)
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
     warnings = [text for part in parts for text in tunnel.data_warnings(part, blade, air)]

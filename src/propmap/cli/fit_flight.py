@@ -14,7 +14,16 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.fit import FitChoice, Output, PriorFrom, check_outputs, finish, note_prior
+from propmap.cli.fit import (
+    NO_DRAG,
+    FitChoice,
+    Output,
+    PriorFrom,
+    check_outputs,
+    finish,
+    note_prior,
+    start_law,
+)
 from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
@@ -23,6 +32,7 @@ from propmap.fit.moments import CENTER
 from propmap.fit.tunnel import first_guess, model_with, section_with
 from propmap.flight import checks, steady
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
+from propmap.model.corrections import INSTALLED
 from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
@@ -354,7 +364,7 @@ def fit_flight(
     not estimate wind; state the wind in the vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
-    base = opt.constants(name_or_file) if name_or_file else None
+    base = start_law(name_or_file)
     file = read_vehicle(vehicle)
     warnings = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
     out.note(*warnings)
@@ -397,7 +407,7 @@ def fit_flight(
             del known["alpha_0"]
         chosen = with_flight_priors(chosen, known)
     law = base or (expected.airfoil if expected else first_guess())
-    law = opt.with_physics(law, physics, correction)
+    law = opt.with_physics(law, physics, correction, installed=flights.level or None)
     model = flight.ForceModel(file.vehicle, flights.log, law)
     make = flight.level_rows if flights.level else flight.balance_rows
     fewer = None
@@ -412,6 +422,8 @@ def fit_flight(
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)
     remarks = [*accepted, *flights.remarks, *range_warnings(fitted.rows)]
+    if flights.level and INSTALLED in (law.corrections or ()):
+        remarks.append(NO_DRAG)
     if undetermined:
         slow = f"the flights are too slow to determine {', '.join(undetermined)}"
         remarks.append(f"{slow}: the bands of faster flights contain their priors")

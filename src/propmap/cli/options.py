@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
     from propmap.vehicle.files import VehicleFile
+    from propmap.vehicle.vehicle import Vehicle
 
 
 # --- PROP and the options that define the rotor --------------------------------------------------
@@ -256,8 +257,9 @@ def with_physics(
     if installed is False and own is not None:
         own, given = split_mount(own)[0], cast(Any, law)
         law = replace(given, corrections=own)
+    typical = ["installed"] if installed and own else []
     if model is None and not physics and own is not None:
-        return law.with_corrections([*split_mount(own)[0], *mount])
+        return law.with_corrections([*split_mount(own)[0], *(mount or typical)])
     chosen = model_corrections(model or "recommended", more, installed=bool(installed))
     return law.with_corrections([as_text(value) for value in chosen])
 
@@ -365,10 +367,18 @@ def aircraft_of(
     note(*blade_warnings(blade))
     law = section_law(airfoil, file.propeller, blade, file.blades)
     law = with_physics(law, model, correction, installed=airfoil is None or None)
+    refuse_two_mounts(vehicle, correction)
 
     from propmap.rotor import Rotor
 
     return Aircraft(vehicle, Rotor(Model(blade, law, vehicle.air), accuracy=accuracy), **limits)
+
+
+def refuse_two_mounts(vehicle: Vehicle, added: Sequence[str] | None) -> None:
+    """Raise ``InputError`` if the vehicle and ``--correction`` both specify the rotor mounts."""
+    if any(mount.drag for mount in vehicle.mounts) and split_mount(added or ())[1]:
+        found = "--correction installed is given, but the vehicle file has [mount]"
+        raise InputError(found, "remove one of the two")
 
 
 def checked_rpm(maximum: float | None) -> float:

@@ -35,7 +35,7 @@ from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, Installed
 from propmap.model.model import Model, Section
-from propmap.model.plausibility import load_warnings, point_warnings
+from propmap.model.plausibility import ACROSS, load_warnings, point_warnings
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -81,6 +81,13 @@ class TunnelData:
         """Rotational speed [rad/s], V cos(beta) and V sin(beta) >= 0 [m/s]; (n,) each."""
         across = np.abs(self.speed * np.sin(self.beta))
         return self.omega, self.speed * np.cos(self.beta), across
+
+    @property
+    def has_rotor_drag(self) -> bool:
+        """Whether the rotor drag was measured in flow along the disk."""
+        return "drag" in self.loads and bool(
+            np.isfinite(self.loads["drag"][self.flow[2] > ACROSS]).any()
+        )
 
     def picked(self, which: NDArray[Any]) -> TunnelData:
         """Return the rows ``which``, given as indices or as a mask."""

@@ -152,8 +152,8 @@ class Model:
         known = getattr(self.airfoil, "uncertainty", None)
         filed = getattr(self.airfoil, "corrections", None) or ()
         mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, filed)]
-        if known is not None and mounts[0] != mounts[1]:
-            # The user stated another mount, so the covariance of the fitted mount does not apply.
+        if known is not None and (not mounts[0] or mounts[0] != mounts[1]):
+            # The covariance of a fitted mount does not apply to another mount or to bare blades.
             known = known.without(MOUNT_AREA).without(DRAG_FACTOR)
         return known
 

@@ -205,6 +205,7 @@ SMALL_BLADES = 0.68  # median of measured loads over the unscaled estimate, 134 
 IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P, three times the largest measured value
 ENERGY_MARGIN = 1.15  # ideal power over shaft power that no measurement error explains
 WEAK = 0.25  # share of the thrust at low speed below which a row does not count as pulling
+ACROSS = 0.1  # least V sin(beta) at which a measured drag is rotor drag [m/s]
 DRAG_SHARE = 0.02  # drag over thrust that does not occur in axial flow
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
 """Limits at 0.7 of the pitch speed, as shares of the static thrust: largest thrust in axial flow
@@ -235,6 +236,11 @@ def load_warnings(
     backwards = [name for name in ratios if ratios[name] < 0.0]
     if backwards:
         return [f"{name} is negative near V = 0; its sign looks reversed" for name in backwards]
+    drag = known.get("drag", np.full_like(w, np.nan))
+    drag = drag[np.isfinite(drag) & (v * np.abs(np.sin(b)) > ACROSS)]
+    if 2 * np.count_nonzero(drag < 0.0) > drag.size:
+        fault = "the rotor drag is negative in most rows of oblique flow"
+        raise InputError(fault, "change its sign: drag is the force against the in-plane velocity")
     found = _wrong_size(ratios, LOAD_RATIO, by_power=by_power)
     share = _ideal_share(propeller, air, w, v, b, known)
     proportion = _out_of_proportion(ratios, share, by_power=by_power)
