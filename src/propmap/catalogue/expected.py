@@ -97,6 +97,9 @@ class ExpectedBlade:
             reason = f"no blade of {self.wanted.maker} was measured"
         elif not self.wanted.words:
             reason = "no manufacturer is named"
+            if self.geometry == "population":
+                reason = "without a manufacturer or a number of blades (--blades 2), propmap does "
+                reason += "not use the constants of multirotor propellers"
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} is not a known series)"
         if self.others:
