@@ -69,6 +69,8 @@ def test_measured_drag_identifies_the_mount(run: Run) -> None:
     assert isinstance(mount, Installed) and mount.factor == pytest.approx(1.5, abs=0.3)
     drag, std = predicted_drag(run)
     assert drag == pytest.approx(true_drag(), rel=0.05) and abs(drag - true_drag()) < 2.0 * std
+    fixed = run(*FIT[:-1], "fixed.toml", "--fix", "drag_factor=1").out
+    assert "mount_area" in fixed and "drag_factor" not in fixed
     # The fitted covariance of the mount does not apply to bare blades.
     drag, std = predicted_drag(run, "--bare")
     assert drag == pytest.approx(true_drag(Installed(1.0, 0.0)), rel=0.1) and std < 0.15 * drag

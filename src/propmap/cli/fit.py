@@ -402,7 +402,9 @@ def fit_tunnel(
     if drag and choice.model != "paper" and model.correction_of(Installed) is None:
         typical, radius = Installed(), blade.radius
         means = {DRAG_FACTOR: typical.blade_factor, MOUNT_AREA: typical.area(radius)}
-        mount = {n: Prior(means[n], std) for n, std in typical.deviations(radius).items()}
+        fixed = {text.partition("=")[0].strip() for text in asked.fix or ()}
+        spread = {n: std for n, std in typical.deviations(radius).items() if n not in fixed}
+        mount = {n: Prior(means[n], std) for n, std in spread.items()}
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", *mount)
     chosen = asked.chosen(default, base, expected=expected)
     if asked.free is None:
