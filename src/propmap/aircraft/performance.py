@@ -64,7 +64,7 @@ class Performance:
     hover, least_power, best_range, fastest : NamedState or None
         State at rest, at the speed of least power, at the speed of the largest distance on one
         battery (without a battery: of least energy per distance over ground), and at the top speed;
-        None for a state that does not exist.
+        None for a state that does not exist or is above the highest computed speed.
     limit : str
         Status of states just above the top speed.  Empty if the search reaches no limit up to
         150 m/s; "unknown" without a known limit of the motors.
@@ -233,7 +233,8 @@ def _around(x: Floats, y: Floats) -> Floats:
 
 def _lowest(x: Floats, y: Floats, open_end: bool) -> float:
     """Return the place of the minimum of y, from the parabola through the least sample and its
-    neighbors; NaN if all samples are NaN, or if y decreases up to an ``open_end``."""
+    neighbors; NaN if all are NaN, or if the last is the least and y may decrease further
+    (``open_end``)."""
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if not x.size:
         return math.nan

@@ -98,8 +98,8 @@ class ExpectedBlade:
         elif not self.wanted.words:
             reason = "no manufacturer is named"
             if self.geometry == "population":
-                reason = "without a manufacturer or a number of blades (--blades 2), propmap does "
-                reason += "not use the constants of multirotor propellers"
+                reason += " (for the constants of multirotor propellers, add the manufacturer or "
+                reason += "--blades 2)"
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} is not a known series)"
         if self.others:

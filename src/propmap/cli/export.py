@@ -219,7 +219,7 @@ def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
     echo(
         f"building a table of {model.propeller.name}, {model.law_title}, at {least:.0f} to "
         f"{most:.0f} rpm, {speed[0]:g} to {speed[1]:.3g} m/s, beta 0 to 180 deg, "
-        f"{model.air.density:.4g} kg/m^3; for another range, error or air, use propmap table",
+        f"{model.air.density:.4g} kg/m^3; for other values, use propmap table",
         err=True,
     )
     opt.note_reynolds(model, np.array(omega), np.array(speed), np.array(built_tables.BETA))

@@ -92,8 +92,8 @@ BareOption = Annotated[
     Option(
         "--bare",
         help="Report the rotor drag of the bare blades. By default, the correction 'installed' "
-        "models the rotor on a motor. Exceptions: --model paper, and --airfoil without a stored "
-        "installation.",
+        "models the rotor on a motor. Exceptions: --model paper, and an --airfoil that does "
+        "not contain this correction.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -249,8 +249,8 @@ def with_physics(
 ) -> Law:
     """Return the law with the corrections of ``--model`` and ``--correction``.
 
-    Without the correction ``installed`` in ``added``, True adds the typical one, False removes that
-    of the ``law``, and None keeps it.
+    If ``added`` contains no installation, the parameter ``installed`` adds a typical one (True; not
+    for the paper's model), removes that of the ``law`` (False), or keeps it (None).
     """
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)

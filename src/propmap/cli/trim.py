@@ -297,8 +297,10 @@ def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list
             if name == "fastest" and found.limit in ("", performance.UNKNOWN):
                 above = f"above {performance.FASTEST:g} m/s, no limit was met"
                 lines.append(f"{words}: {found.limit or above}")
-            elif name in ("least_power", "best_range") and found.states.found.any():
-                lines.append(f"{words}: unknown, above all speeds with a steady state")
+            elif name in ("least_power", "best_range") and (
+                found.states.found.any() and found.states.speed[-1] > found.wind
+            ):
+                lines.append(f"{words}: unknown, above the highest computed speed")
             else:
                 why = found.at_rest if name == "hover" else found.limit
                 lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")

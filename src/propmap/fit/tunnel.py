@@ -84,7 +84,7 @@ class TunnelData:
 
     @property
     def has_rotor_drag(self) -> bool:
-        """Whether the rotor drag was measured in flow along the disk."""
+        """Whether rotor drag was measured in oblique flow."""
         return "drag" in self.loads and bool(
             np.isfinite(self.loads["drag"][self.flow[2] > ACROSS]).any()
         )

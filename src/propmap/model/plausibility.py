@@ -205,7 +205,7 @@ SMALL_BLADES = 0.68  # median of measured loads over the unscaled estimate, 134 
 IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P, three times the largest measured value
 ENERGY_MARGIN = 1.15  # ideal power over shaft power that no measurement error explains
 WEAK = 0.25  # share of the thrust at low speed below which a row does not count as pulling
-ACROSS = 0.1  # least V sin(beta) at which a measured drag is rotor drag [m/s]
+ACROSS = 0.1  # V sin(beta) above which the flow is oblique and a drag column is rotor drag [m/s]
 DRAG_SHARE = 0.02  # drag over thrust that does not occur in axial flow
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
 """Limits at 0.7 of the pitch speed, as shares of the static thrust: largest thrust in axial flow
