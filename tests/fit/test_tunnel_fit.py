@@ -109,6 +109,15 @@ def test_cambered_uiuc_within_the_project_s_limits(uiuc: TunnelData) -> None:
         assert sum(e.rows for e in found[name].by_speed.values()) == whole.rows
 
 
+def test_data_of_a_propeller_with_another_number_of_blades_are_noted() -> None:
+    two, three = (
+        read_tunnel(["uiuc-8x6e"], propmap.propeller("apc-8x6e", blades=n), propmap.Air()).remarks
+        for n in (2, 3)
+    )
+    told = "has 2 blades, R = 0.1016 m; this propeller has 3 blades"
+    assert not any(told in text for text in two) and any(told in text for text in three)
+
+
 def test_without_camber_the_fit_fails_and_says_why(uiuc: TunnelData) -> None:
     four = done(uiuc, PAPER_FOUR)
     assert four.coefficient_rms("thrust") > 0.02

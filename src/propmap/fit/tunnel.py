@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.lookup import measurement, measurement_names
+from propmap.catalogue.lookup import propeller as named
 from propmap.errors import InputError, located, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
@@ -318,7 +319,11 @@ def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller,
 
 def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
     if isinstance(item, str):
-        return measured_in_catalogue(item, air)
+        found, own = measured_in_catalogue(item, air), named(measurement(item).propeller)
+        both = [f"{one.blades} blades, R = {one.radius:.4f} m" for one in (own, propeller)]
+        differ = own.blades != propeller.blades or abs(own.radius / propeller.radius - 1.0) > 0.02
+        remark = f"the measured propeller has {both[0]}; this propeller has {both[1]}"
+        return replace(found, remarks=(remark,) if differ else ())
     return measured_loads(item)(propeller, air)
 
 
