@@ -114,7 +114,7 @@ def test_data_of_a_propeller_with_another_number_of_blades_are_noted() -> None:
         read_tunnel(["uiuc-8x6e"], propmap.propeller("apc-8x6e", blades=n), propmap.Air()).remarks
         for n in (2, 3)
     )
-    told = "has 2 blades, R = 0.1016 m; this propeller has 3 blades"
+    told = "has 2 blades, R = 0.1016 m; apc-8x6e has 3 blades"
     assert not any(told in text for text in two) and any(told in text for text in three)
 
 

@@ -233,7 +233,7 @@ def _around(x: Floats, y: Floats) -> Floats:
 
 def _lowest(x: Floats, y: Floats, open_end: bool) -> float:
     """Return the place of the minimum of y, from the parabola through the least sample and its
-    neighbors; NaN if all are NaN, or if the last is the least and y may decrease further
+    neighbors; NaN if all y are NaN, or if the last is the least and y may decrease beyond it
     (``open_end``)."""
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     if not x.size:

@@ -182,8 +182,8 @@ def _pair(text: str, option: str) -> tuple[str, str]:
 
 
 def start_law(airfoil: str | None) -> Airfoil | None:
-    """Return the constants of ``--airfoil`` without the typical installation, which was not
-    measured; None without the option."""
+    """Return the constants of ``--airfoil``, or None; omit a typical installation, because no fit
+    identified it."""
     law = opt.constants(airfoil) if airfoil else None
     if law is None or law.corrections is None:
         return law

@@ -249,8 +249,8 @@ def with_physics(
 ) -> Law:
     """Return the law with the corrections of ``--model`` and ``--correction``.
 
-    If ``added`` contains no installation, the parameter ``installed`` adds a typical one (True; not
-    for the paper's model), removes that of the ``law`` (False), or keeps it (None).
+    If ``added`` contains no installation, ``installed`` decides: True adds a typical installation
+    (not to the paper's model), False removes the law's installation, None keeps it.
     """
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)

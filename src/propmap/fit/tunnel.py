@@ -322,7 +322,7 @@ def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
         found, own = measured_in_catalogue(item, air), named(measurement(item).propeller)
         both = [f"{one.blades} blades, R = {one.radius:.4f} m" for one in (own, propeller)]
         differ = own.blades != propeller.blades or abs(own.radius / propeller.radius - 1.0) > 0.02
-        remark = f"the measured propeller has {both[0]}; this propeller has {both[1]}"
+        remark = f"the measured propeller has {both[0]}; {propeller.name} has {both[1]}"
         return replace(found, remarks=(remark,) if differ else ())
     return measured_loads(item)(propeller, air)
 
